@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// ConstraintContact: surfaces that keep a distance from each other and from obstacles, with friction, by forces of constraint at
+// ConstraintContact: surfaces that keep a distance from each other and from obstacles, with friction, by constraint forces at
 // the end of each step.
 //
 // Surfaces of `mstate` and `other`, obstacles and paths are those of BarrierContact: soft, rigid, mapped and condensed bodies.
-// With d the distance of a vertex and a triangle or of two edges, less radii and `thickness`, l_n the force between them, s the way
-// along the surfaces in the step and mu the friction:
+// With the distance d of a vertex and a triangle or of two edges, minus radii and `thickness`, the force l_n between them, the slip s
+// along the surfaces in the step and the friction mu:
 //
-//   d >= contactDistance,   l_n >= 0,   one of both with equality;   s = 0, or |l_t| = mu l_n against s
+//   d >= contactDistance,   l_n >= 0,   one of them with equality;   s = 0, or |l_t| = mu l_n opposite to s
 //
-// What sticks does not creep. The integrator finds the forces by the compliance of the bodies (Signorini and Coulomb): condensed
-// bodies read it from their inverse, EulerImplicitSolver, TrapezoidalRuleSolver, BDFOdeSolver and StaticSolver solve for each
-// condition. Distances and normals are those of the end of the step. Gaps and slides that are off by `toleratedError`, a thousandth
-// of contactDistance by default, hold; mostly they are off by round-off. Up to ten times as much, or a quarter of contactDistance where
-// all bodies are rigid, is reported at the end of a run. Edges whose bend is not higher count as flat (kept_gaps.h). Forces of a pair are
-// equal and opposite.
+// Sticking contacts do not creep. The integrator finds the forces from the compliance of the bodies (Signorini and Coulomb): condensed
+// bodies read it from their inverse; EulerImplicitSolver, TrapezoidalRuleSolver, BDFOdeSolver and StaticSolver solve for each
+// condition. Distances and normals are those at the end of the step. Violations of gaps and of sticking up to `toleratedError`, by default
+// a thousandth of contactDistance, are accepted; mostly they are round-off. Up to ten times that, or a quarter of contactDistance if
+// all bodies are rigid, is reported at the end of a run. Edges whose bend is at most `toleratedError` high are flat (kept_gaps.h). Forces
+// of a pair are equal and opposite.
 //
-// Pairs are found where a step starts: those that may come near if nothing moves farther than obstacles do and twice as far as
-// in the last step, as its speed would take it, or as an eighth of the mean edge. Each step is proved besides (kept_gaps.h): every
-// pair may go straight from where the step starts to where it ends without touching (Li, Kaufman and Jiang 2021), and nothing has
-// moved farther than pairs were looked for. What is not proved refuses the step; BarrierContact is for such.
+// Pairs are found at the start of a step: those that may come near if bodies move at most twice as far as in the last step or at their
+// speed, plus an eighth of the mean edge. Each step is also proved (kept_gaps.h): every pair can move on a straight path
+// from the start to the end of the step without touching (Li, Kaufman and Jiang 2021), and nothing has moved farther than pairs
+// were searched. A step that cannot be proved ends the run; BarrierContact is for such motions.
 //
-// What `offset` adds while the scene runs leads obstacles by at most an eighth of the mean edge per step.
+// A change of `offset` during a run moves obstacles by at most an eighth of the mean edge per step.
 //
-// A body meets itself with `selfContact`, but for places that are nearer than contactDistance at rest.
+// A body has contact with itself with `selfContact`, except points that are nearer than contactDistance at rest.
 //
 // Source: Signorini 1933; Duriez, Dubois, Kheddar and Andriot 2006 (forces by compliance).
 //

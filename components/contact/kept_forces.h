@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Forces of kept gaps from one step to the next, and by what gaps between rigid bodies yield to them. Where such bodies meet in
-// more points than they have ways to move, their forces are those of an even layer between them: a force over its area is what
-// the layer there is pressed by. A vertex stands for its share of the faces that look at the other body, the part of each
-// triangle that is nearest to it (Meyer, Desbrun, Schroeder and Barr 2003), so that it does not matter how a quad is cut into two.
-// Rims that cross stand for the mean of their ends.
+// Forces of kept gaps from one step to the next, and the compliances of gaps between rigid bodies. If such bodies touch at more
+// points than they have degrees of freedom, their forces are those of a uniform elastic layer between them: a force over its area
+// is the pressure of the layer there. A vertex has its share of the faces towards the other body, the part of each
+// triangle that is nearest to it (Meyer, Desbrun, Schroeder and Barr 2003), so that it does not matter how a quad is split.
+// Crossing rims have the mean of the shares of their ends.
 #pragma once
 #include <span>
 #include <vector>
@@ -18,15 +18,15 @@ namespace stroma::contact {
 
 class KeptForces {
  public:
-  /// After `surfaces` have been finished. `rigid`: of each body of them.
+  /// Call it when `surfaces` are finished. `rigid`: per body.
   void compile(const Surfaces& surfaces, std::vector<char> rigid);
   void clear() { names_.clear(), forces_.clear(); }
-  /// Of gaps between rigid bodies: `each` rows of a gap, its push and what rubs there.
+  /// Stores the forces of gaps between rigid bodies: each gap has `each` rows, normal and friction.
   void take(const KeptGaps& gaps, const Surfaces& surfaces, std::span<const double> forces, std::size_t each);
-  /// Of gaps between rigid bodies: forces that are likely now, and what their rows yield by. Others are left as they are.
+  /// For gaps between rigid bodies: expected forces, and the compliances of their rows. Others are unchanged.
   void expect(const KeptGaps& gaps, const Surfaces& surfaces, const std::vector<Vec3>& x, std::size_t each, std::span<double> forces,
               std::span<double> yields) const;
-  /// Whether one of them is off by more than `tolerated` [m] where gaps were last looked at, x: a push or what sticks.
+  /// Whether a gap or a sticking contact is violated by more than `tolerated` [m] at x, where gaps were last evaluated.
   bool isViolated(const KeptGaps& gaps, const BarrierLaw& law, const std::vector<Vec3>& x, std::size_t each, std::span<const double> forces,
              double friction, double tolerated) const;
   void serialize(Archive& archive);

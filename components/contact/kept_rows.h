@@ -5,8 +5,8 @@
 
 namespace stroma::contact {
 
-/// The conditions of gaps where they were last looked at, x: of each a push, with `friction` two that rub, and of all one that no
-/// force mends: below zero by what is unproved and `reported` [m], or by half of that where bodies only graze each other on their way.
+/// The conditions of gaps at x, where they were last evaluated: one `push` per gap, two `rub` with `friction`, and at the end one that no
+/// force can satisfy if the step is not proved: -(unproved + reported) [m], or -reported / 2 if rigid bodies only graze on their way.
 void addRows(const KeptGaps& gaps, const BarrierLaw& law, const std::vector<Vec3>& x, double friction, double reported,
              LagrangianRows& rows);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Parts of the search for forces of constraint (multipliers.h).
+// Parts of the search for constraint forces (multipliers.h).
 #pragma once
 #include <Eigen/Dense>
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace stroma {
 
-/// How gradients turn with x, as a part of the matrix: A + B S B^T in the place of A, of a few columns of B.
+/// The change of gradients with x as a part of the matrix: A + B S B^T instead of A, with few columns of B.
 class GradientBends {
  public:
   struct Bend {
@@ -19,67 +19,68 @@ class GradientBends {
   };
   void clear() { count_ = 0; }
   bool empty() const { return count_ == 0; }
-  /// A column of B, to be filled.
+  /// Adds a column of B, which the caller fills.
   Vector& add(double size, Index rows);
   std::span<Bend> all() { return {bends_.data(), count_}; }
-  /// S^-1 + B^T Y, when all Y are known.
+  /// Factors S^-1 + B^T Y; call it when all Y are known.
   void factor();
-  /// What A^-1 has answered becomes what A + B S B^T answers.
+  /// Changes a response of A^-1 to the one of (A + B S B^T)^-1.
   void takeFrom(Rows response);
 
  private:
   std::vector<Bend> bends_;  ///< the first count_ of them
   std::size_t count_ = 0;
   Eigen::PartialPivLU<Eigen::MatrixXd> factors_;
-  Eigen::VectorXd along_, shares_;  ///< work space, as is
+  Eigen::VectorXd along_, shares_;  ///< work space, like the next
   Eigen::MatrixXd matrix_;
 };
 
-/// Which directions of rows of W are not zero where a response is not: of free rigid bodies those of the bodies that it moves.
+/// Finds the rows of W whose direction overlaps a response, that is, both are nonzero in some row: for free rigid bodies those of the
+/// bodies that it moves.
 class DirectionOverlaps {
  public:
-  /// Of the rows `live`, which stay where they are; `rows`: of each direction.
+  /// For the rows `live` of `directions`, both of which must stay in place; each direction has `rows` rows.
   void find(const std::vector<Vector>& directions, const std::vector<std::size_t>& live, Index rows);
-  /// Numbers of live rows; valid until the next call.
+  /// The numbers of live rows that overlap `response`; valid until the next call.
   const std::vector<std::size_t>& of(ConstRows response);
-  /// The direction of a live row with a response.
+  /// The product of the direction of a live row with a response.
   double along(std::size_t number, ConstRows response) const;
 
  private:
   const std::vector<Vector>* directions_ = nullptr;
   const std::vector<std::size_t>* live_ = nullptr;
-  std::vector<Index> reached_;             ///< rows in which directions are not zero
-  std::vector<std::size_t> first_;         ///< of each live row, in reached_
-  std::vector<std::vector<std::size_t>> reaches_;  ///< of each row of directions: live rows whose direction is not zero there
-  std::vector<std::size_t> found_;                 ///< work space, as are
+  std::vector<Index> reached_;             ///< rows in which directions are nonzero
+  std::vector<std::size_t> first_;         ///< per live row: its start in reached_
+  std::vector<std::vector<std::size_t>> reaches_;  ///< per row of directions: live rows whose direction is nonzero there
+  std::vector<std::size_t> found_;                 ///< work space, like the next
   std::vector<long> marks_;
   long mark_ = 0;
 };
 
-/// J^T p that Newton's method carries as a load [N s], from where a step starts.
+/// The load J^T p [N s] that Newton's method carries through a step.
 class CarriedForces {
  public:
   void resize(Index rows);
-  /// A step starts with the forces of the one before; `weight`: p = weight l [s].
+  /// Starts a step with the forces of the previous one; `weight`: p = weight l [s].
   void begin(double weight) { copy(last_, now_), scale(weight, now_); }
   void end(double weight) { copy(now_, last_), scale(1 / weight, last_); }
   ConstRows now() const { return now_; }
   void set(ConstRows now) { copy(now, now_); }
-  ConstRows last() const { return last_; }  ///< J^T l of the step before [N]
+  ConstRows last() const { return last_; }  ///< J^T l of the previous step [N]
   Vector& last() { return last_; }
   void forget() { stroma::clear(last_); }
-  /// To be made the sum of J^T p that is carried from now on; change() follows.
+  /// The caller writes the new sum of J^T p here and then calls change().
   Rows beginChange();
-  /// out += by how much that is another.
+  /// out += the change of the load.
   void change(Rows out);
-  /// Only this share of what the last change() added.
+  /// Keeps only this fraction of the last change(); out += the difference.
   void changeShare(double share, Rows out);
-  /// The iterate `to` that came of `from` is mixed with those before, and what is carried with it.
+  /// Mixes the iterate `to`, computed from `from`, and its load with earlier ones.
   void mix(Mixing& mixing, ConstRows from, Rows to, Rows out);
 
  private:
   Vector now_, last_;
-  Vector added_;  ///< by the last change(), with share_ of it
+  Vector added_;  ///< by the last change(), of which share_ is kept
   double share_ = 1;
 };
 

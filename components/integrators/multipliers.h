@@ -1,33 +1,34 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Forces of Lagrangian constraints in an implicit step. The step without them has found u, with its matrix A of A du = b.
+// Forces of Lagrangian constraints in an implicit step. The unconstrained step has found u, with its matrix A of A du = b.
 // Impulses p = weight l along the gradients J then change
 //   u by c = A^-1 J^T p,   x by displacement c,   conditions g(x) by W (l - l_before),   W = weight displacement J A^-1 J^T
-// W is dense, of as many solves with A as there are rows, all at once (condition_forces.h). Then g and J are computed anew where x has come
-// to, and it is repeated until x = x_free + displacement A^-1 J(x)^T p and g holds: forces have the directions of the end of the
-// step. Where that swings, iterates are mixed (mixing.h).
+// W is dense and takes as many solves with A as there are rows, all at once (condition_forces.h). Then g and J are updated at the new
+// x, and this is repeated until x = x_free + displacement A^-1 J(x)^T p and g holds: forces have the directions of the end of the
+// step. If iterates oscillate, they are mixed (mixing.h).
 //
-// Where a rule says once, the first round is the last: forces have the directions of the motion without them, as SOFA's, and the
+// If a rule sets `once`, the first round is the last: forces have the directions of the unconstrained motion, as in SOFA, and the
 // conditions hold as far as they are linear.
 //
-// Nodes of an UncoupledConstraintCorrection answer with their own compliance in the place of A^-1, without Newton's method. In one
+// Nodes of an UncoupledConstraintCorrection respond with their own compliance instead of A^-1, without Newton's method. In a single
 // round ConstraintSweeps may find the forces, up to its tolerance.
 //
-// A rule that weighs forces where the step starts with the share s (the trapezoidal one: 1/2) has J = (1 - s) J(x) + s J(x0)
-// in J^T p, with one l for the step: a force that is given acts with its whole weight. Where a point has passed a corner, J(x0) and J(x)
-// differ, and v would keep a part across the new piece, to and fro for ever, of which the next corner makes energy. Then v becomes
+// A rule that weights forces at the start of the step by s (the trapezoidal rule: 1/2) has J = (1 - s) J(x) + s J(x0)
+// in J^T p, with one l for the step: a given force acts with its whole weight. If a point has passed a corner, J(x0) and J(x)
+// differ, and v would keep a component normal to the new segment, alternating for ever, which the next corner turns into energy.
+// Therefore v is replaced by
 //   v - A^-1 J^T (J(x) A^-1 J^T)^-1 s
-// s = J(x) v of the point on its wire. Of others that hold s is half of what J v has changed by in the step, because what is tied to
-// the point takes its part of the impulse. What pushes has s = 0 and may let go. This keeps the speed of a point on wires that stand,
-// free or with others tied to it. Where directions turn by more than 120 degrees J is J(x), and a part is lost.
+// with s = J(x) v for the point on its wire. For other equalities s is half of the change of J v in the step, because bodies tied to
+// the point take their part of the impulse. `push` rows have s = 0 and may release. This keeps the speed of a point on fixed wires,
+// free or with others tied to it. If directions rotate by more than 120 degrees J is J(x), and a part is lost.
 //
-// Newton's method needs more than one such correction, because A is the matrix of one place (implicit_conditions.cpp). It
+// Newton's method needs more than one such correction, because A belongs to one iterate (implicit_conditions.cpp). It
 // carries the impulses J^T p found so far as a load, and each correction starts from there. Forces then keep the directions
-// of the iterate that A is of, until the next: what they turn by is taken late, as is what stresses turn by in most matrices A;
-// of a body that a cable presses together the one balances the other. How gradients turn where a row says so
-// (LagrangianRows::Bend) is a part of the matrix instead, of pushes always and of others where it is no small one,
-// A + B S B^T with the forces of the iterate before:
+// of the iterate of A until the next one: their rotation lags, as does the rotation of stresses in most matrices A;
+// in a body compressed by a cable the two compensate each other. If a row gives the change of its gradient
+// (LagrangianRows::Bend), this is a part of the matrix instead, always for `push` rows and for others if it is not small:
+// A + B S B^T with the forces of the previous iterate,
 //   (A + B S B^T)^-1 v = z - Y (S^-1 + B^T Y)^-1 B^T z,   z = A^-1 v,   Y = A^-1 B
-// Cells that roll on a sphere turn by more than any step that lacks it can follow.
+// Cells that roll on a sphere rotate too far for a step without this term.
 #pragma once
 #include <array>
 #include <map>
@@ -49,58 +50,58 @@ class UncoupledConstraintCorrection;
 
 class Multipliers {
  public:
-  /// What a step makes of impulses.
+  /// The effect of impulses in a step.
   struct Rule {
     double displacement = 0;  ///< dx/du [s]
     double weight = 0;        ///< p = weight l [s]
-    double old_share = 0;     ///< of p along the gradients where the step starts
-    bool has_velocities = true;  ///< u is the system's v; else of statics, and u is the change itself
+    double old_share = 0;     ///< fraction of p along the gradients at the start of the step
+    bool has_velocities = true;  ///< u is the system's v; otherwise, in statics, u is the displacement
     bool once = false;           ///< one round; not with Newton's method
   };
 
-  /// What the last step took to find forces, as outputs of the integrator.
+  /// Statistics of the last search for forces, as outputs of the integrator.
   void declare(DataTable& table);
   void compile(System& system);
   bool empty() const { return !system_ || system_->actors().lagrangian_constraints.empty(); }
-  /// Where the step starts. `carries`: x without forces of constraint has been found under those of addCarried().
+  /// Starts a step. `carries`: the unconstrained x is computed with the load of addCarried().
   void begin(const Rule& rule, bool carries);
-  /// Of a step that is made in parts: conditions that do not hold at the present x, where the step starts, are to hold by a share of it.
-  /// False where all hold there.
+  /// Prepares a step that is divided: conditions violated at the present x, its start, are then reduced part by part.
+  /// Returns false if all hold there.
   bool keepWay();
-  /// Until the next call conditions are g(x) - (1 - share) g(x0), x0 of keepWay(); of pushes only those that did not hold. 1: all of it.
+  /// Until the next call conditions are g(x) - (1 - share) g(x0), with x0 of keepWay(); for `push` only those violated there. 1: g(x).
   void setShare(double share) { share_of_way_ = share; }
-  /// With Newton's method: forces act along the gradients at the present x from now on.
+  /// With Newton's method: makes forces act along the gradients at the present x.
   void aim();
-  /// Moves x and v of the system until the conditions hold; `change`: what u has changed by in the step, follows.
-  /// A report that did not converge says by how much they do not.
-  /// `direction`: of Newton's method, what u has come by from where aim() was; else of no rows.
+  /// Moves x and v of the system until the conditions hold, and updates `change`, the change of u in the step.
+  /// A report that did not converge has the remaining violation.
+  /// `direction`: with Newton's method the change of u since aim(); otherwise empty.
   void correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, ConstRows direction, StopToken stop, StepReport& report);
-  /// The velocities of a step that has ended, where conditions have changed by their forces and the rule weighs those where it starts,
-  /// as of a point that has passed a corner. False: they stay.
+  /// Corrects the velocities at the end of a step in which forces have changed conditions, as of a point that has passed a corner, if the
+  /// rule weights forces at the start. False: unchanged.
   bool turnVelocities(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
-  /// By how much every condition may be off and hold, or be kept and told [m]; 0 where one may not.
+  /// The smallest tolerance of all conditions, or with `kept` the smallest violation that ends the run [m]; 0 if one has none.
   double leastTolerance(bool kept);
-  /// out += J^T p, of the step before and then of the last carry() [N s].
+  /// out += J^T p of the previous step, or of the last carry() [N s].
   void addCarried(Rows out) const;
-  /// The last correct() has left conditions to the next one, with other directions.
+  /// The last correct() has left conditions to the next one, with updated directions.
   bool wasLeft() const { return is_left_; }
   ConstRows carried() const { return carried_.now(); }
-  /// What carried() was before.
+  /// Restores an earlier carried().
   void carryAgain(ConstRows carried) { carried_.set(carried); }
-  /// From now on J^T p of the last correct() is carried; out += by how much that is another.
+  /// Carries J^T p of the last correct() from now on; out += the change.
   void carry(Rows out);
-  /// Only this share of what the last carry() added; out += by how much that is another.
+  /// Keeps only this fraction of the last carry(); out += the change.
   void carryShare(double share, Rows out) { carried_.changeShare(share, out); }
-  /// The iterate `to` that came of `from` is mixed with those before, and what is carried with it.
+  /// Mixes the iterate `to`, computed from `from`, and its load with earlier ones.
   void carryMixed(Mixing& mixing, ConstRows from, Rows to, Rows out) { carried_.mix(mixing, from, to, out); }
 
-  /// Of one that carries: nothing is, and all conditions hold where x is, without a force. Contact where nothing is near has such.
+  /// With `carries`: nothing is carried, and all conditions hold at x without a force, as contact does if nothing is near.
   bool areFree();
-  /// The step ends where areFree() was asked last.
+  /// The step ends at the x of the last areFree(): all forces are zero.
   void giveNone();
 
-  // ---- what an integrator that carries passes on ----
-  ConstRows lastForces() const { return carried_.last(); }  ///< J^T l of the step before [N]
+  // ---- forwarded by the integrator ----
+  ConstRows lastForces() const { return carried_.last(); }  ///< J^T l of the previous step [N]
   void setLastForces(ConstRows forces) { copy(forces, carried_.last()); }
   std::string doubt() const;
   void stepTaken();
@@ -112,14 +113,14 @@ class Multipliers {
   void leaveOutWay();
   double likeRowBefore(std::size_t row) const;
   bool isIdle(std::size_t row) const;
-  /// Where rows say the same W has to be symmetric: its conditions are those along the directions of forces, too.
+  /// With redundant rows W must be symmetric: its conditions are then taken along the directions of forces too.
   bool keepsDirections() const { return (carries_ || keeps_) && !yields_.empty(); }
-  /// W is J^T of rows with their responses: the same, and cheap for rows of few bodies.
+  /// W is computed from J^T of the rows and their responses: the same, and cheap for rows on few bodies.
   bool couplesByDirections() const { return !yields_.empty() && (carries_ || keeps_ || rule_.old_share == 0); }
   bool isOnce() const { return rule_.once && !carries_; }
   bool changeConditions();
   bool changeDirections(bool releases);
-  /// A row that turnVelocities() looks at, and the speed that it takes.
+  /// A row that turnVelocities() corrects, and the speed that it removes.
   struct Held {
     std::size_t row;
     bool pushes;
@@ -185,65 +186,65 @@ class Multipliers {
 
   System* system_ = nullptr;
   Rule rule_;
-  bool carries_ = false, keeps_ = false;  ///< keeps_: directions of rounds before
-  int kept_since_ = 0;                    ///< the round since when, or since when not
-  std::vector<char> keeps_directions_;    ///< of each constraint: it does
+  bool carries_ = false, keeps_ = false;  ///< keeps_: uses directions of earlier rounds
+  int kept_since_ = 0;                    ///< the round in which keeps_ last changed
+  std::vector<char> keeps_directions_;    ///< per constraint: it keeps its own
   LagrangianRows rows_, old_rows_;
   std::vector<std::size_t> ends_;          ///< of the rows of each constraint
   ConditionForces solve_;                  ///< W, g and l
-  RedundantForces redundant_;              ///< where its search begins, of rows that yield
-  std::vector<double> yields_;             ///< of each row; empty: none does
+  RedundantForces redundant_;              ///< the initial guess of its search, for rows with a compliance
+  std::vector<double> yields_;             ///< compliance per row; empty: none has one
   std::vector<Vector> directions_;         ///< J^T of each row, shape (independent rows)
-  std::vector<char> is_aimed_;             ///< of each row: it has a direction
-  std::vector<std::size_t> new_rows_;      ///< that have none; work space
-  Vector aimed_at_, here_;                 ///< x where directions were taken; work space
-  std::vector<double> like_;               ///< 1 or -1: that of the row before, or its opposite
-  std::vector<Vector> responses_;          ///< A^-1 of them
-  std::vector<char> is_answered_;          ///< of each row: they are known, or asked for
-  std::vector<std::size_t> new_answers_;   ///< rows of the round that were not; work space, as is
-  std::vector<ConstRows> asked_;           ///< right sides
+  std::vector<char> is_aimed_;             ///< per row: it has a direction
+  std::vector<std::size_t> new_rows_;      ///< rows without one; work space
+  Vector aimed_at_, here_;                 ///< x at which directions were computed; work space
+  std::vector<double> like_;               ///< 1 or -1: the direction equals that of the previous row, or its opposite
+  std::vector<Vector> responses_;          ///< A^-1 times the directions
+  std::vector<char> is_answered_;          ///< per row: the response is known or requested
+  std::vector<std::size_t> new_answers_;   ///< rows whose response is new in this round; work space, like the next
+  std::vector<ConstRows> asked_;           ///< right-hand sides
   std::vector<Rows> answers_;
-  std::vector<std::size_t> live_, coupled_;  ///< rows of W, and of the one before
-  bool has_new_answers_ = false;             ///< since that
+  std::vector<std::size_t> live_, coupled_;  ///< rows of W, and of the previous W
+  bool has_new_answers_ = false;             ///< since the previous W
   DirectionOverlaps overlaps_;
   BodyRows bodies_;
   std::array<Vector, BodyRows::loads> body_loads_, body_answers_;
   bool knows_bodies_ = false;   ///< bodies_ has the matrix of the step
-  bool is_of_bodies_ = false;   ///< the rows of the round are of bodies_, which stand for directions and responses
-  bool is_without_w_ = false;   ///< W has not been made for them
-  std::vector<double> own_;                ///< of each row: its diagonal of W
-  std::vector<double> allowed_, kept_allowed_;  ///< by how much each row may be off, and be kept; work space
+  bool is_of_bodies_ = false;   ///< all rows of the round act on bodies_, which replace directions and responses
+  bool is_without_w_ = false;   ///< W was not computed for them
+  std::vector<double> own_;                ///< per row: its diagonal entry of W
+  std::vector<double> allowed_, kept_allowed_;  ///< tolerance per row, and the violation that ends the run; work space
   std::vector<Vector> start_directions_;   ///< J(x0)^T of each row, with an old share
-  std::vector<double> start_speeds_;       ///< J(x0) v0 of each row, where that is so and there are velocities
+  std::vector<double> start_speeds_;       ///< J(x0) v0 of each row, with an old share and velocities
   GradientBends bends_;
-  long made_before_ = 0, searches_before_ = 0;  ///< iterations of the searches of all steps before, and how many these are
+  long made_before_ = 0, searches_before_ = 0;  ///< iterations and number of the searches of all previous steps
   int iterations_ = 0;    ///< of the last step
-  double residual_ = 0;   ///< where they ended
+  double residual_ = 0;   ///< at their end
   bool knows_forces_ = false;  ///< of the rows of this step
-  std::vector<UncoupledConstraintCorrection*> uncoupled_;  ///< bodies whose nodes answer one by one
-  Vector pushes_;                                          ///< right_side_ with what these take of it
+  std::vector<UncoupledConstraintCorrection*> uncoupled_;  ///< bodies whose nodes respond one by one
+  Vector pushes_;                                          ///< right_side_ with the part of these bodies
   ConstraintSweeps* sweeps_ = nullptr;
   std::vector<ConstraintSweeps::Block> blocks_;
   std::map<std::array<int, 2>, std::array<double, 3>> contact_forces_;  ///< of the last step, by names [N]
-  std::vector<std::size_t> swept_ends_;  ///< ends_ of the step that swept_ is of
-  Eigen::VectorXd swept_, sweeping_;  ///< forces of the last step [N], where sweeps go on, and of the present one
-  bool is_swept_ = false;             ///< so are forces of the present one
-  std::string not_swept_;             ///< a constraint that has kept sweeps from being made
+  std::vector<std::size_t> swept_ends_;  ///< ends_ of the step that swept_ belongs to
+  Eigen::VectorXd swept_, sweeping_;  ///< forces [N] of the last step, the initial guess of sweeps, and of the present one
+  bool is_swept_ = false;             ///< forces of the present step are from sweeps
+  std::string not_swept_;             ///< a constraint that prevents sweeps
   Vector start_, work_, right_side_;
-  Vector free_;            ///< x without forces of constraint but those carried
-  Vector whole_, before_;  ///< what they change u by, now and a round ago
+  Vector free_;            ///< x with no constraint forces except the carried ones
+  Vector whole_, before_;  ///< the change of u by constraint forces, now and a round ago
   CarriedForces carried_;
-  Vector base_;            ///< A^-1 of what is carried
-  Eigen::VectorXd last_forces_;  ///< of the round before
+  Vector base_;            ///< A^-1 times the carried load
+  Eigen::VectorXd last_forces_;  ///< of the previous round
   bool is_left_ = false;
-  bool has_changed_ = false;  ///< conditions have, in the step
+  bool has_changed_ = false;  ///< conditions have changed in the step
   std::vector<LagrangianConstraint*> asked_to_change_;  ///< work space
-  static constexpr int most_changes = 100;  ///< of conditions by their forces, each with rounds of its own
+  static constexpr int most_changes = 100;  ///< of conditions by their forces, each with its own rounds
   int changes_left_ = most_changes;         ///< 0: they have not come to an end
-  double budget_ = 100;     ///< of spent_ [a thousand rows' cube]
-  double spent_ = 0;        ///< in the step on searches: the cube of the rows of each elimination
+  double budget_ = 100;     ///< limit of spent_ [1e9]
+  double spent_ = 0;        ///< on searches in the step: sum of rows^3 of the eliminations
   bool is_spent_ = false;
-  int times_left_ = 0;  ///< in the step, where directions turned far
+  int times_left_ = 0;  ///< number of times in the step that directions rotated far
   double share_ = 1;
   std::vector<double> way_;  ///< g(x0) of keepWay(), per row
   double share_of_way_ = 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What forces of constraint change the nodes of a state by as if none were tied to another; uncoupled_constraint_correction.cpp.
+// The response of a state to constraint forces, as if its nodes were not coupled; uncoupled_constraint_correction.cpp.
 #pragma once
 #include <string>
 #include <vector>
@@ -14,11 +14,11 @@ class UncoupledConstraintCorrection final : public Component {
   void declare(DataTable& table) override;
   void init() override;
   State& state() const { return *state_; }
-  /// Where a step begins: of frames the inverses of their masses and inertias, of all masses of the state and of what follows it.
+  /// At the start of a step: inverts masses and inertias of frames, summed over the state and the states mapped from it.
   void takeMasses(const System& system);
-  /// Of the state's rows: what impulses along `direction` change velocities by. Vectors of the system.
+  /// The change of velocities by impulses along `direction`, for the rows of the state. Vectors of the system.
   void respond(ConstRows direction, Rows response) const;
-  /// Says of those in the scene of `integrator` that the matrix answers instead, and why: once for each reason.
+  /// Warns that those in the scene of `integrator` have no effect because the matrix is used, and why: once per reason.
   static void tellIdle(const Component& integrator, const std::string& why);
 
  private:
@@ -30,9 +30,9 @@ class UncoupledConstraintCorrection final : public Component {
   std::vector<double> compliance_, each_;  ///< as given; of each node, or of a frame 7
   double default_compliance_ = 1e-5;
   bool by_rule_ = true;
-  std::string idle_;                       ///< why it was told last that the matrix answers
+  std::string idle_;                       ///< the last reason of that warning
   std::vector<Mat3> inverses_;             ///< of frames: of each row, shape (state's rows)
-  std::vector<Mat3> couplings_;            ///< of each frame: what torques change the velocity of its centre by; empty: nothing
+  std::vector<Mat3> couplings_;            ///< per frame: change of its centre's velocity by torques; empty: none
   Vector unit_, momentum_;                 ///< work space, where masses follow frames
 };
 

@@ -52,7 +52,7 @@ class ConditionForces {
   }
 
   long searches = 0, steps = 0, rounds = 0;  ///< totals of solve(): calls, Newton steps, interior-point iterations
-  double spent = 0, budget = std::numeric_limits<double>::infinity();
+  double spent = 0, budget = std::numeric_limits<double>::infinity();  ///< of eliminations: sum of rows^3; beyond it searches end
   double enough = 0;          ///< of unsettled(): no search is made if the initial l has no more
   double contradiction = 0;   ///< twice the residual that a search has left; no search is made below it. 0 at the start of a step
   Eigen::MatrixXd w;          ///< W of the rows whose force is not given as zero, shape (such rows, such rows)
