@@ -79,6 +79,8 @@ StepReport ConditionedStatics::solveInParts(Newton& newton, LinearSolver& solver
   divided.newton_converged = false, divided.diverged = true;
   divided.reason = fmt::format("{}; divided, the step reached {:.3g} of its prescribed motion and volumes, and could not go on: {}",
                                whyOf(report), done, whyOf(divided));
+  // of the whole step, not of the last part
+  divided.constraints_converged = report.constraints_converged, divided.constraint_reason = std::move(report.constraint_reason);
   return divided;
 }
 

@@ -141,7 +141,7 @@ bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, doub
   };
   const auto solve = [&](bool once) {
     return solveOrShift(solver, problem.tangent(), residual_, direction_, {tolerance, stop_}, report,
-                        {.other = definite, .once = once, .soft_directions = settings.restores_soft_directions});
+                        {.other = std::ref(definite), .once = once, .soft_directions = settings.restores_soft_directions});
   };
   const bool converged = report.linear_converged, at_limit = report.linear_at_limit;
   is_unsure_ = problem.hasUnsureTangent();

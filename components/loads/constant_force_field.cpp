@@ -47,7 +47,7 @@ class ConstantForceField final : public DeadLoad {
     const bool is_given = data().find("indices")->isSet();
     const bool takes_all = indices_.empty() && empty_is_all_;
     if (is_given && takes_all)
-      warn(fmt::format("indices lists no node: all {} nodes of {} are loaded", state().nodes(), state().path()));
+      warn(fmt::format("indices is empty: the load acts on all {} nodes of {}", state().nodes(), state().path()));
     if (is_given && !takes_all) {
       if (indices_.empty()) checkedNodes(indices_, state(), "indices");
       for (std::size_t i = 0; i < indices_.size(); ++i) checkNode(indices_[i], i, state(), "indices");

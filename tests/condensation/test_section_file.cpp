@@ -257,7 +257,7 @@ TEST_F(CacheFolder, ADamagedFactorOfTheInsideIsMadeAnewWhenItIsNeeded) {
   EXPECT_TRUE(fromCache(again));
   testing::internal::CaptureStderr();
   EXPECT_EQ(hashAfterSteps(again), expected);
-  EXPECT_NE(testing::internal::GetCapturedStderr().find("factor of the inside"), std::string::npos);
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("factor of the interior"), std::string::npos);
   EXPECT_FALSE(fs::exists(folder) && std::distance(fs::directory_iterator(folder), {}) > 0);
 }
 
@@ -273,7 +273,7 @@ TEST_F(CacheFolder, AFactorThatIsMadeAnewMustFitIntoMemoryToo) {
     ADD_FAILURE() << "nothing was refused";
   } catch (const ComponentError& error) {
     const std::string said = error.what();
-    for (const std::string words : {"the factor of the inside", "allowed by memoryLimit"})
+    for (const std::string words : {"the factor of the interior", "allowed by memoryLimit"})
       EXPECT_NE(said.find(words), std::string::npos) << said;
   }
   // what the file has of worth stays; without it a run starts from the beginning, with the refusal of every start

@@ -127,10 +127,11 @@ def files_of_spheres_and_surfaces_and_the_cells_inside():
 def selections_of_nothing_that_stand_for_all():
     """Springs to the rest shape and constant forces: as those without a list."""
     none = '<BoxROI name="none" box="50 50 50 51 51 51"/>'
-    for field, link in (('<RestShapeSpringsForceField stiffness="100" {}/>', 'points="@none.indices"'),
-                        ('<ConstantForceField totalForce="1 2 3" {}/>', 'indices="@none.indices"')):
+    for field, link, warning in (
+            ('<RestShapeSpringsForceField stiffness="100" {}/>', 'points="@none.indices"', "points is empty: springs act on"),
+            ('<ConstantForceField totalForce="1 2 3" {}/>', 'indices="@none.indices"', "indices is empty: the load acts on")):
         run = Run(root(EXACT + BODY + none + field.format(link)), 5)
-        run.says("lists no node: all 2 nodes")
+        run.says(f"{warning} all 2 nodes of /dofs")
         agree(run.x(), Run(root(EXACT + BODY + field.format("")), 5).x())
         differ(run.x()[:, 1], [fallen(5)] * 2, 1e-5)
 

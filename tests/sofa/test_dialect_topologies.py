@@ -86,7 +86,7 @@ def meshes_that_change_by_lists_and_by_a_file():
     left(planned('useDataInputs="1" timeToRemove="0.02" interval="0.03" tetrahedraToRemove="0"', 8), 8, [4, 5, 6, 7])
     for attributes in ('useDataInputs="1" timeToRemove="0.06"', 'listChanges="1"'):  # nothing is planned
         left(planned(attributes, 9), 9, list(range(12)))
-    planned('useDataInputs="1" pointsToRemove="3"', 3).fails(3, "point 3 cannot go", "step 2 ")
+    planned('useDataInputs="1" pointsToRemove="3"', 3).fails(3, "point 3 cannot be removed: one of the tetrahedra still uses it", "step 2 ")
     planned('filename="none.txt"', 1).fails(2, "none.txt")
     for text, word in (("REMOVE= 1\n0\n", "before any time"), ("T=0.05\n", "before any time"), ("\nT= soon\n", ":2: "),
                        ("T=\n", "no time"), ("T= 1\nREMOVE Tetrahedron 1 0\n", "no change"), ("T= 1\nREMOVE= 2\n0\n", "1 numbers")):
