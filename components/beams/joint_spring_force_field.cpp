@@ -115,7 +115,7 @@ class JointReader {
         throw ComponentError(fmt::format("spring: the limits {:g} and {:g} leave no angle", joint.low[axis], joint.high[axis]),
                              "the lower one first");
     if (joint.has_turn && !(std::abs(joint.turn.norm() - 1) < 1e-9))
-      throw ComponentError("spring: REST_R is no orientation", "x y z w, not all of them zero");
+      throw ComponentError("spring: REST_R is not an orientation", "x y z w, not all of them zero");
     for (const double number : {joint.soft_shift, joint.hard_shift, joint.soft_turn, joint.hard_turn, joint.block, joint.damping})
       if (!(number >= 0) || !std::isfinite(number))
         throw ComponentError(fmt::format("spring: {:g} is no stiffness and no damping", number), "numbers >= 0");

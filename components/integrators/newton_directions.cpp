@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <cmath>
 #include <utility>
 
@@ -139,7 +140,7 @@ bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, doub
     problem.residual(trial_);
     return &problem.tangent();
   };
-  const auto solve = [&](bool once) {
+  const auto solve = [&](bool once) {  // a reference: a copy would be taken from the heap in each iteration
     return solveOrShift(solver, problem.tangent(), residual_, direction_, {tolerance, stop_}, report,
                         {.other = std::ref(definite), .once = once, .soft_directions = settings.restores_soft_directions});
   };

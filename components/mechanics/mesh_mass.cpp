@@ -103,7 +103,7 @@ MeshMass::Source MeshMass::chooseSource() {
   for (const char* name : {"totalMass", "massDensity", "vertexMass"})
     if (data().find(name)->isSet()) given.push_back(name);
   if (given.empty()) {
-    warn("no massDensity, totalMass or vertexMass: the total mass is taken as 1 kg", "give massDensity [kg/m^3]");
+    warn("no massDensity, totalMass or vertexMass: the total mass is set to 1 kg", "give massDensity [kg/m^3]");
     return Source::total;
   }
   for (std::size_t i = 1; i < given.size(); ++i)

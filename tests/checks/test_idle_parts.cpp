@@ -21,7 +21,7 @@ std::string heldAt(const std::string& constraint) {
 }
 
 TEST(IdleParts, ABodyOfWhichEveryNodeIsHeldIsSaid) {
-  const std::string sentence = "/dofs: every node is held by constraints";
+  const std::string sentence = "/dofs: every node is fixed by constraints";
   expectContains(told(heldAt("<FixedProjectiveConstraint indices='0-7'/>")), sentence);
   expectContains(told(heldAt("<FixedProjectiveConstraint fixAll='true'/>")), sentence);
   for (const char* free :
@@ -45,7 +45,7 @@ TEST(IdleParts, WhatContradictsOrDoublesIsSaid) {
   EXPECT_EQ(told(heldAt("<FixedProjectiveConstraint indices='0-3' endTime='1'/>" + later)).find(": they move"), std::string::npos)
       << "held until then";
   expectContains(told(heldAt(fixed + "<ConstantForceField name='load' indices='0 3' forces='1 0 0'/>")),
-                 "/load: every node that it acts on is held");
+                 "/load: every node that it acts on is fixed or moved");
   EXPECT_EQ(told(heldAt(fixed + "<ConstantForceField indices='3 4' forces='1 0 0'/>")).find("is fixed or moved"),
             std::string::npos);
   expectContains(told(heldAt("<HexahedronFEMForceField name='again' youngModulus='1000' poissonRatio='0.3'/>")),
@@ -71,7 +71,7 @@ TEST(IdleParts, MotionsAlongHeldDirectionsAreSaid) {
   expectContains(told(heldAt(plane + moved("LinearVelocityProjectiveConstraint", "velocities='0 0 0 1 0 1'"))), words);
   expectContains(told(heldAt(plane + "<OscillatorProjectiveConstraint indices='3' translation='0 0 1' pulsation='1'/>")), words);
   const std::string tied = "<AttachProjectiveConstraint object1='@dofs' object2='@dofs' indices1='3' indices2='0' twoWay='true'/>";
-  expectContains(told(heldAt("<FixedProjectiveConstraint name='fixed' indices='0'/>" + tied + up)), "held by /fixed " + words);
+  expectContains(told(heldAt("<FixedProjectiveConstraint name='fixed' indices='0'/>" + tied + up)), "fixed by /fixed" + words);
   for (const std::string& apart :
        {moved("PartialLinearMovementProjectiveConstraint", "movedDirections='1 1 0' movements='0 0 0 1 1 1'"),
         moved("LinearMovementProjectiveConstraint", "movements='0 0 0 1 1 0'")})
@@ -117,9 +117,9 @@ std::string mixed(const std::string& fields) {
 TEST(IdleParts, CellsWithoutALawInAMixedMeshAreSaid) {
   const std::string tetrahedra = "<TetrahedronFEMForceField youngModulus='1000' poissonRatio='0.3'/>",
                     hexahedra = "<HexahedronFEMForceField youngModulus='1000' poissonRatio='0.3'/>";
-  expectContains(told(mixed(tetrahedra)), "/mesh: 1 of 1 hexahedra have no law");
-  expectContains(told(mixed(hexahedra)), "/mesh: 2 of 2 tetrahedra have no law");
-  EXPECT_EQ(told(mixed(tetrahedra + hexahedra)).find("no law"), std::string::npos);
+  expectContains(told(mixed(tetrahedra)), "/mesh: 1 of 1 hexahedra have no material");
+  expectContains(told(mixed(hexahedra)), "/mesh: 2 of 2 tetrahedra have no material");
+  EXPECT_EQ(told(mixed(tetrahedra + hexahedra)).find("no material"), std::string::npos);
 }
 
 TEST(IdleParts, AWeightThatNobodyWroteAndAFallForEverAreNoted) {
@@ -130,7 +130,7 @@ TEST(IdleParts, AWeightThatNobodyWroteAndAFallForEverAreNoted) {
            more + "</Node>";
   };
   const std::string held = "<FixedProjectiveConstraint indices='0'/>", floor = "<PlaneForceField normal='0 1 0' d='-1'/>";
-  const std::string weight = "/dofs: gravity is not given: the default (0 -9.81 0) m/s^2 is used", fall = "/dofs: nothing holds it";
+  const std::string weight = "/dofs: gravity is not given: the default (0 -9.81 0) m/s^2 is used", fall = "/dofs: nothing fixes or supports it";
   expectContains(told(scene("", held)), weight);
   expectContains(told(scene("gravity='0 0 -1'", "")), fall);
   for (const std::string& text : {scene("gravity='0 -9.81 0'", held), scene("gravity='0 -9.81 0'", floor), scene("gravity='0 0 0'", "")}) {

@@ -40,7 +40,7 @@ TEST(RuleDamping, IsSaidAsMuchAsItTakes) {
   for (const auto& [dt, percent] : {std::pair(0.01, 18), std::pair(0.004, 8), std::pair(0.03, 44)}) {
     const Swung found = swing(oscillator("<EulerImplicitSolver/>", dt), int(2.1 / dt));
     EXPECT_NEAR(100 * found.lost, percent, 1) << "what the steps show";
-    expectContains(found.said, fmt::format("loses {} % of its height", percent));
+    expectContains(found.said, fmt::format("loses {} % of its amplitude per period", percent));
     expectContains(found.said, "/EulerImplicitSolver at t = ");
   }
 }

@@ -395,19 +395,19 @@ TEST(AttachedStatics, WhatOneWayLeavesOutIsSaid) {
   const std::string statics = "<StaticSolver/><SparseLDLSolver/>";
   const double own = column.density * column.gravity / column.young * column.lower * column.lower / 2;
   Simulation simulation = simulationFromText(column.scene(statics, "", "twoWay='false'"));
-  expectContains(simulation.scene().diagnostics.text(), "/lower/dofs feels nothing of what follows it");
+  expectContains(simulation.scene().diagnostics.text(), "/lower/dofs is not affected by the nodes that follow it");
   ASSERT_FALSE(simulation.step().unsolved);
   EXPECT_NEAR(column.interface(simulation), own, 1e-8 * own);
   // 3 m^3 of 1000 kg/m^3 under 10 m/s^2
   ASSERT_EQ(doubtsOf(simulation).size(), 1u);
   expectContains(doubtsOf(simulation)[0], "/glue at t = 1 s: the following nodes pull with (");
-  expectContains(doubtsOf(simulation)[0], "together 3e+04 N, and what they follow does not feel it");
+  expectContains(doubtsOf(simulation)[0], "in sum 3e+04 N, which is not transmitted to the nodes that they follow");
   // in time, at rest: the same
   Simulation moving = simulationFromText(
       column.scene("<EulerImplicitSolver rayleighMass='5'/><SparseLDLSolver/>", "", "twoWay='false'"));
   for (int step = 0; step < 200; ++step) moving.step();
   ASSERT_EQ(doubtsOf(moving).size(), 1u);
-  expectContains(doubtsOf(moving)[0], "together 3e+04 N");
+  expectContains(doubtsOf(moving)[0], "in sum 3e+04 N");
   expectContains(simulationFromText(column.scene(statics, "", "")).scene().diagnostics.text(),
                  "twoWay is not given: both ends act on each other");
 }

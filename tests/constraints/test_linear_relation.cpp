@@ -356,7 +356,7 @@ TEST(LinearRelation, HeldNodesThatContradictItStopTheRun) {
   const StepReport report = simulation.step();
   EXPECT_NE(
       (report.reason + report.constraint_reason)
-          .find("/LinearRelationProjectiveConstraint: the relation of node 0 of /dofs, node 1 of /dofs cannot hold"),
+          .find("/LinearRelationProjectiveConstraint: the relation of node 0 of /dofs, node 1 of /dofs cannot be satisfied"),
       std::string::npos)
       << report.reason;
   EXPECT_TRUE(report.diverged || report.unsolved || !report.constraints_converged);

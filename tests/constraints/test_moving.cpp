@@ -206,7 +206,7 @@ TEST(FixedPlane, ChoosesAndProjects) {
   const auto problems = [](const std::string& a) {
     return problemsOf(implicitChain("<FixedPlaneProjectiveConstraint " + a + "/>"));
   };
-  expectContains(problems("direction='0 1 0' dmin='5' dmax='6'"), "no node of /dofs lies between");
+  expectContains(problems("direction='0 1 0' dmin='5' dmax='6'"), "no node of /dofs is between");
   expectContains(problems("direction='0 0 0' indices='1'"), "direction is zero");
   expectContains(problems("direction='0 1 0'"), "which nodes should be fixed");
 }
@@ -282,7 +282,7 @@ TEST(ProjectTo, PlacesWithoutACommonPointAreRefused) {
   const std::string parallel = problems(
       "<ProjectToPlaneProjectiveConstraint name='low' indices='0' origin='0 1 0' normal='0 1 0'/>"
       "<ProjectToPlaneProjectiveConstraint name='high' indices='0' origin='0 2 0' normal='0 1 0'/>");
-  expectContains(parallel, "node 0 of /dofs cannot be where /low and /high put it");
+  expectContains(parallel, "node 0 of /dofs cannot be where both /low and /high put it");
   expectContains(parallel, "0.5 m");
   expectContains(parallel, "a point in common");
   expectContains(problems("<ProjectToPointProjectiveConstraint indices='0' point='0 1 0'/>"
@@ -295,7 +295,7 @@ TEST(ProjectTo, PlacesWithoutACommonPointAreRefused) {
                     "<ProjectToPlaneProjectiveConstraint name='floor' indices='0' origin='0 0 0' normal='0 1 0'/>"));
   const StepReport report = leaving.step();
   EXPECT_TRUE(report.diverged);
-  expectContains(report.reason, "cannot be where /up and /floor put it");
+  expectContains(report.reason, "cannot be where both /up and /floor put it");
 }
 
 /// A face pressed half-way into a block of elements in one static step: the tangent carries the inside along.

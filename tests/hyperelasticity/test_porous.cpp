@@ -335,7 +335,7 @@ TEST(Porous, SaysWhatIsWrong) {
   };
   expectCell("0 0 1 1 0 1 1 1 1 0 1 1\"", "0 0 0 1 0 0 1 1 0 0 1 0\"", "is flat at rest");
   expectCell("1 1 1 0 1 1\"", "-2 -2 1 0 1 1\"", "is folded at rest");
-  expectCell("0 1 1\" hexa", "0 1 1 5 5 5\" hexa", "no hexahedron has node 8");
+  expectCell("0 1 1\" hexa", "0 1 1 5 5 5\" hexa", "there is no hexahedron with node 8");
 }
 
 /// What is said of a scene at load.

@@ -192,7 +192,7 @@ Simulation twoBodies(const std::string& gravity, const std::string& held) {
 
 void expectFree(const StepReport& report) {
   EXPECT_TRUE(report.diverged);
-  EXPECT_NE(report.reason.find("the part of /dofs around node 4 (4 nodes) is not held against turning"),
+  EXPECT_NE(report.reason.find("the part of /dofs around node 4 (4 nodes) is not held against rotation"),
             std::string::npos)
       << report.reason;
 }
@@ -369,10 +369,10 @@ TEST(StaticSolver, ABodyHeldAtANodeOrALineTurnsAboutIt) {
   };
   // about the line from (0 0 0) to (0 0 1) only the weight of node 1 has a torque, 0.5 kg x 10 m/s^2 x 1 m
   const std::string line = reason("0 3");
-  for (const std::string word : {"not held against turning about the axis (0 0 -1)", "a torque of 5 N m"})
+  for (const std::string word : {"not held against rotation about the axis (0 0 -1)", "a torque of 5 N m"})
     EXPECT_NE(line.find(word), std::string::npos) << line;
   // about node 0 also that of node 3, about the x axis
   const std::string node = reason("0");
-  for (const std::string word : {"not held against turning about the axis (0.707 0 -0.707) through (0 0 0)", "a torque of 7.07 N m"})
+  for (const std::string word : {"not held against rotation about the axis (0.707 0 -0.707) through (0 0 0)", "a torque of 7.07 N m"})
     EXPECT_NE(node.find(word), std::string::npos) << node;
 }

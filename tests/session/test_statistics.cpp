@@ -33,7 +33,7 @@ TEST(UnconvergedSteps, AdviseNoIterationsWhereRoundOffIsToBlame) {
   const auto warnings = steps.warnings();
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_FALSE(has(warnings[0], "iterations")) << warnings[0];
-  EXPECT_TRUE(has(warnings[0], "in 1 of 1 steps (worst relative residual 0.0002): round-off allows no more")) << warnings[0];
+  EXPECT_TRUE(has(warnings[0], "in 1 of 1 steps (worst relative residual 0.0002): round-off limits the accuracy")) << warnings[0];
 }
 
 /// A factorisation has no iterations, and its residual of round-off is none to warn of.

@@ -213,7 +213,7 @@ TEST(ChangingPattern, ABodyThatOnlyAVanishingSpringHeldIsNamed) {
   for (int step = 1; step <= 2; ++step) ASSERT_FALSE(simulation.step().diverged);
   const StepReport report = simulation.step();
   EXPECT_TRUE(report.diverged);
-  expectContains(report.reason, "the part of /dofs around node 0 (4 nodes) is not held against turning");
+  expectContains(report.reason, "the part of /dofs around node 0 (4 nodes) is not held against rotation");
 }
 
 }  // namespace STROMA_TEST_FILE

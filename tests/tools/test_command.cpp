@@ -389,9 +389,9 @@ TEST_F(Command, ARunThatEndsInAContactWithoutAnAnswerSaysSo) {
   <Node name="floor"><MeshTopology position="-9 0 -9  9 0 -9  9 0 9  -9 0 9" triangles="0 1 2  0 2 3"/><MechanicalObject/>
   <UniformMass totalMass="1"/><FixedProjectiveConstraint fixAll="true"/><TriangleCollisionModel simulated="false" moving="false"/>
   </Node></Node>)");
-  const std::string sentence = "/CollisionPipeline at t = 0.4: a next step would be refused. ";
+  const std::string sentence = "/CollisionPipeline at t = 0.4: another step would be rejected. ";
   const Finished before = stroma("run ball.xml -n 39 --no-record"), at = stroma("run ball.xml -n 40 --no-record");
-  EXPECT_FALSE(has(before.err, "refused")) << before.err;
+  EXPECT_FALSE(has(before.err, "rejected")) << before.err;
   EXPECT_TRUE(has(at.err, sentence) && has(at.err, "nearer than their contact distance of 0.1:")) << at.err;
   EXPECT_EQ(at.code, 0);
   EXPECT_EQ(stroma("run ball.xml -n 40 --no-record --strict --quiet").code, 3);

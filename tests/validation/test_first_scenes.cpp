@@ -91,7 +91,7 @@ TEST(FirstScenes, ASolverThatIsMadeIsSaidByThePlan) {
     for (const std::string& line : planOf(simulationFromText(beam(solvers, 0.1))).lines()) lines += line + "\n";
     return lines;
   };
-  EXPECT_NE(linesOf(in_time).find("PCGLinearSolver, made"), std::string::npos);
-  EXPECT_NE(linesOf("<StaticSolver/>").find("AutomaticLinearSolver, made"), std::string::npos);
+  EXPECT_NE(linesOf(in_time).find("PCGLinearSolver, created"), std::string::npos);
+  EXPECT_NE(linesOf("<StaticSolver/>").find("AutomaticLinearSolver, created"), std::string::npos);
   EXPECT_EQ(linesOf("<EulerExplicitSolver/>").find("LinearSolver"), std::string::npos);
 }
