@@ -130,7 +130,8 @@ TEST(IdleParts, AWeightThatNobodyWroteAndAFallForEverAreNoted) {
            more + "</Node>";
   };
   const std::string held = "<FixedProjectiveConstraint indices='0'/>", floor = "<PlaneForceField normal='0 1 0' d='-1'/>";
-  const std::string weight = "/dofs: gravity is not given: the default (0 -9.81 0) m/s^2 is used", fall = "/dofs: nothing fixes or supports it";
+  const std::string weight = "/dofs: gravity is not given: the default (0 -9.81 0) m/s^2 is used";
+  const std::string fall = "/dofs: nothing fixes or supports it";
   expectContains(told(scene("", held)), weight);
   expectContains(told(scene("gravity='0 0 -1'", "")), fall);
   for (const std::string& text : {scene("gravity='0 -9.81 0'", held), scene("gravity='0 -9.81 0'", floor), scene("gravity='0 0 0'", "")}) {

@@ -129,7 +129,7 @@ TEST(Modules, FoldersOfTheVariableHoldModules) {
     return ::testing::internal::GetCapturedStderr();
   };
   EXPECT_NE(problem(folder.path()).find("where no module lies"), std::string::npos);
-  EXPECT_NE(problem(folder.path() + "/nowhere").find("nowhere', which is no folder"), std::string::npos);
+  EXPECT_NE(problem(folder.path() + "/nowhere").find("nowhere', which is not a readable folder"), std::string::npos);
   folder.write("a.index", "Z\ta\tlast\n");
   EXPECT_EQ(problem(":" + folder.path() + ":"), "");
   before ? setenv("STROMA_MODULE_PATH", kept.c_str(), 1) : unsetenv("STROMA_MODULE_PATH");
