@@ -21,7 +21,8 @@ void CollisionModel::declare(DataTable& table) {
   table.add("selfCollision", self_collision_).help("it may meet the other models of its node");
   table.add("contactDistance", contact_distance_).alias("proximity").help("added to that of the method").unit("m").min(0);
   table.add("group", groups_).help("models with a number in common do not meet");
-  table.add("contactResponse", response_).help("response to its contacts, overriding the CollisionResponse");
+  table.add("contactResponse", response_)
+      .help("response to its contacts, overriding the CollisionResponse; that one is used where the other model has a different one");
   table.add("bothSide", both_sides_).help("a LocalMinDistance keeps the contacts of its back; other methods know no sides");
   table.add("contactStiffness", stiffness_)
       .help("the stiffness of a contact is the product of both models' over its contact distance")

@@ -27,7 +27,8 @@
 // evaluates them once where the step starts, but for those with models that are not `simulated`. With explicitBetween they are no
 // part of the matrix here either.
 //
-// Pairs of models may have responses of their own: `rules` names them, and a model's contactResponse goes before these.
+// Pairs of models may have responses of their own: `rules` names them, and a model's contactResponse takes precedence. Where both models
+// have one and the two differ, `response` is used, or with `rules` that of the model that comes first in the scene. So does SOFA.
 //
 // It needs a CollisionPipeline, which is a watch where a response is asked for that is none of the two.
 //
@@ -117,7 +118,10 @@ class CollisionResponse final : public ForceField,
     found_ = false;
     ++revision_;
   }
-  void stepBegins(ConstRows, double, double) override { find(); }
+  void stepBegins(ConstRows, double t, double t_end) override {
+    find();
+    if (t_end <= t) finder_.reset();  // the check of where a run starts is not the first search of a step
+  }
   double energy(ConstRows x) const override;
   bool acts() const override { return pushing_ > 0; }
   void addForce(ConstRows x, ConstRows v, Rows f) override;

@@ -86,6 +86,7 @@ void ContactFinder::compile(const Node& root, const std::vector<ModelPair>& pair
 
 void ContactFinder::reset() {
   has_trees_ = false;
+  for (Surface& surface : surfaces_) surface.order.clear();
   for (auto* numbers : {&found_numbers_, &answered_numbers_}) {
     *numbers = std::make_shared<Numbers>();
     (*numbers)->of.assign(surfaces_.size(), -1);

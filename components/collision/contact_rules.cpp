@@ -72,9 +72,11 @@ Answer ContactRules::parsed(const std::string& word, const char* attribute) {
 bool ContactRules::mayPush() const { return answers_.empty() ? !rubs(response_) : any_pushes_; }
 
 Answer ContactRules::find(const CollisionModel& a, const CollisionModel& b) const {
-  const bool disagree = !a.response().empty() && !b.response().empty() && a.response() != b.response();
+  std::vector<Answer> own;  // all are parsed, so that a misspelt one is an error even where it is not used
   for (const CollisionModel* model : {&a, &b})
-    if (!model->response().empty() && !(disagree && rules_.empty())) return parsed(model->response(), "contactResponse");
+    if (!model->response().empty()) own.push_back(parsed(model->response(), "contactResponse"));
+  const bool disagree = own.size() == 2 && a.response() != b.response();
+  if (!own.empty() && !(disagree && rules_.empty())) return own.front();
   for (std::size_t i = 0; i < rules_.size(); i += 3)
     if ((speaksOf(rules_[i], a) && speaksOf(rules_[i + 1], b)) || (speaksOf(rules_[i], b) && speaksOf(rules_[i + 1], a)))
       return parsed(rules_[i + 2], "rules");

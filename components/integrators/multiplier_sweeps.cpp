@@ -29,7 +29,7 @@ void ConstraintSweeps::declare(DataTable& table) {
                   {"ProjectedGaussSeidel", "UnbuiltGaussSeidel", "NonsmoothNonlinearConjugateGradient", "NonlinearComplementarity"})
       .atOnce()
       .help("sweeps that go on from the step before, that begin at zero, as steps of conjugate gradients, or with the error of contacts");
-  table.add("keepsContactForces", goes_on_).atOnce().help("contacts that go on begin with their forces of the step before");
+  table.add("keepsContactForces", goes_on_).atOnce().help("contacts that persist start from their forces of the previous step");
 }
 
 void ConstraintSweeps::tellIdle(const Component& asker, const std::string& why) {
@@ -301,8 +301,8 @@ bool Multipliers::sweepForces(StopToken stop) {
 /// Other forces than those that the scene asks for have been found.
 std::string Multipliers::doubt() const {
   if (not_swept_.empty()) return {};
-  return fmt::format("{} had no effect in some steps: the conditions of {} are not for sweeps. All held to round-off there, which is "
-                     "right, without its tolerance",
+  return fmt::format("{} had no effect in some steps: the conditions of {} are neither equalities nor contacts with sofaLists. "
+                     "There all conditions were solved to round-off, which is right, without its tolerance",
                      sweeps_->path(), not_swept_);
 }
 

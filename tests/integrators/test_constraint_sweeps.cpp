@@ -107,7 +107,8 @@ TEST(ConstraintSweeps, AreNotMadeForOtherConditionsAndSaySo) {
   for (int n = 0; n < 3; ++n) alone.step(), bead.step();
   EXPECT_EQ(alone.systems()[0]->integrator().doubt(), "");
   expectContains(bead.systems()[0]->integrator().doubt(),
-                 "/ConstraintSweeps had no effect in some steps: the conditions of /SlidingLagrangianConstraint are not all equal ones");
+                 "/ConstraintSweeps had no effect in some steps: the conditions of /SlidingLagrangianConstraint are neither equalities nor "
+                 "contacts with sofaLists");
 }
 
 /// A step that is not taken leaves nothing where the next one's sweeps begin.

@@ -6,7 +6,7 @@ import itertools
 import numpy as np
 
 from dialect import BODY, EXACT, Run, agree, case, differ, fallen, falls, main, node, numbers_of, oriented, root
-from reference import euler, gravity, together
+from reference import euler, gravity, springs, together
 
 
 @case
@@ -292,6 +292,80 @@ def points_joined_projected_and_shared_out():
     whole = '<Node name="all"><MechanicalObject name="dofs"/><SubsetMultiMapping input="@../a @../b @../c" output="@." indexPairs="@../e.indexPairs"/></Node>'
     x = Run(root(split + parts + whole), 10).x("all.dofs")
     agree(x, [[0, fallen(10), 0], [1, fallen(10), 0], [2, 0, 0], [3, fallen(10), 0], [4, 0, 0]])
+
+
+
+@case
+def beams_of_some_segments():
+    """listSegment: of the edges of the mesh, those that are beams."""
+    frames = "".join(f"{x} 0 0 0 0 0 1  " for x in range(4))
+
+    def hung(edges, words):
+        return Run(root(EXACT + f'<MeshTopology position="0 0 0  1 0 0  2 0 0  3 0 0" edges="{edges}"/><MechanicalObject name="dofs" '
+                        f'template="Rigid3" position="{frames}"/><UniformMass totalMass="4"/><FixedProjectiveConstraint indices="0"/>'
+                        f'<BeamFEMForceField youngModulus="2e5" radius="0.1" {words}/>'), 8).x("dofs", 7)
+    all_of = hung("0 1  1 2  2 3", "")
+    some = hung("0 1  1 2  2 3", 'listSegment="0 2"')
+    agree(some, hung("0 1  2 3", ""), 1e-12)
+    differ(some, all_of, 1e-4)
+
+
+@case
+def lengths_between_points_of_several_bodies():
+    """DistanceMultiMapping: edges between points of two parents; what is stretched has its geometric stiffness."""
+    k, x = 300.0, np.array([[0, 0, 0], [1.0, 0.2, 0], [0.3, -1, 0.1], [1.2, -0.9, 0]])
+    edges = [(0, 2), (1, 3), (1, 2)]
+    bodies = "".join(f'<Node name="{name}"><MechanicalObject name="dofs" position="{numbers_of(x[rows])}"/><UniformMass vertexMass="0.5"/>{more}</Node>'
+                     for name, rows, more in (("a", [0, 1], '<FixedProjectiveConstraint fixAll="1"/>'), ("b", [2, 3], "")))
+    child = ('<Node name="lengths"><MeshTopology name="net" edges="0 2  1 3  1 2"/><MechanicalObject name="dofs" template="Vec1"/>'
+             '<DistanceMultiMapping topology="@net" input="@../a/dofs @../b/dofs" output="@dofs" indexPairs="0 0  0 1  1 0  1 1"/>'
+             f'<RestShapeSpringsForceField stiffness="{k}"/></Node>')
+    run = Run(root(EXACT + bodies + child), 25)
+    moved = euler(x, 0.5 * np.eye(4), together(gravity(np.full(4, 0.5), [0, -10, 0]), springs(edges, x, k, per_length=False)), 25, 0.01, held=[0, 1])
+    agree(run.x("b.dofs"), moved[2:], 1e-8)
+
+
+@case
+def what_is_seen_or_scheduled_alone():
+    for text in ('<TaskSchedulerSettings threadNumber="3"/>', '<OglShaderDefineMacro id="x"/>', '<CylinderVisualModel radius="0.3"/>',
+                 '<OglSceneFrame/>', '<VisualStyle displayFlags="showAll"/>', '<InteractiveCamera position="0 0 9"/>', '<LightManager/>',
+                 '<DirectionalLight direction="0 0 1"/>', '<RequiredPlugin name="Sofa.Component"/>', '<BackgroundSetting color="1 1 1"/>',
+                 '<AttachBodyButtonSetting stiffness="9"/>', '<ViewerSetting resolution="8 8"/>', '<MouseButtonSetting/>', '<OglModel/>',
+                 '<VisualGrid/>', '<VisualTransform/>', '<OrderIndependentTransparencyManager/>', '<ClipPlane/>', '<SlicedVolumetricModel/>'):
+        run = Run(root(text + EXACT + BODY), 10)
+        falls(run)
+
+
+@case
+def systems_of_all_templates():
+    """Where matrices live changes no number, nor does how seldom a preconditioner is assembled."""
+    for text in ('<CGLinearSolver template="GraphScattered" iterations="50" tolerance="1e-14" threshold="1e-30"/>',
+                 '<CGLinearSolver template="CompressedRowSparseMatrixMat3x3d" iterations="50" tolerance="1e-14" threshold="1e-30"/>',
+                 '<SparseLDLSolver name="ldl" template="CompressedRowSparseMatrixd"/><PreconditionedMatrixFreeSystem assemblingRate="3"/>'
+                 '<PCGLinearSolver preconditioner="@ldl" iterations="50" tolerance="1e-14"/>',
+                 '<GlobalSystemMatrixImage/><SparseLDLSolver/>', '<MatrixLinearSystem template="CompressedRowSparseMatrixMat3x3d" name="m"/>'
+                 '<EigenSimplicialLDLT template="CompressedRowSparseMatrix" linearSystem="@m"/>'):
+        falls(Run(root('<EulerImplicitSolver/>' + text + BODY), 10))
+    jacobi = ('<JacobiPreconditioner name="j" template="DiagonalMatrix"/>', '<BlockJacobiPreconditioner name="j" template="BlockDiagonalMatrix"/>')
+    for text in jacobi:
+        run = Run(root('<EulerImplicitSolver/>' + text + '<PCGLinearSolver preconditioner="@j" iterations="50" tolerance="1e-14"/>' + BODY), 10)
+        falls(run)
+
+
+@case
+def faces_that_a_mapping_leaves_out():
+    """noInitialTriangles: none of the first faces; noNewTriangles is of cuts."""
+    rest = np.array([[0, 0, 0], [1.0, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]])
+    body = (f'<TetrahedronSetTopologyContainer name="cells" position="{numbers_of(rest)}" tetrahedra="0 1 2 3  1 2 3 4"/>'
+            '<MechanicalObject name="dofs"/><UniformMass totalMass="5"/>')
+
+    def pressed(words):
+        return Run(root(EXACT + body + '<Node name="skin"><TriangleSetTopologyContainer name="faces"/><TriangleSetTopologyModifier/>'
+                        f'<Tetra2TriangleTopologicalMapping input="@../cells" output="@faces" {words}/><SurfacePressureForceField '
+                        'pressure="50"/></Node>', 'gravity="0 0 0"'), 3)
+    differ(pressed("").x(), rest, 1e-4)
+    agree(pressed('noNewTriangles="1"').x(), pressed("").x(), 1e-12)
+    pressed('noInitialTriangles="1"').fails(2, "/skin/SurfacePressureForceField: no face of the mesh is loaded")
 
 
 main()

@@ -111,8 +111,6 @@ void Rewriting::warnOfIgnored(const Element& element) {
     std::string_view type, attribute, usual, effect;
   };
   static constexpr Ignored all[] = {
-      {"LocalMinDistance", "angleCone", "0", "keeps contacts within a cone in SOFA: here those of the nearest places"},
-      {"LocalMinDistance", "filterIntersection", "1", "switches a filter of contacts off in SOFA, and here it stays on"},
       {"LocalMinDistance", "useLMDFilters", "0", "filters contacts in SOFA by components of their own: here it does not"},
       {"LMDNewProximityIntersection", "angleCone", "0", "keeps contacts within a cone in SOFA: here those of the nearest places"},
       {"CCDTightInclusionIntersection", "continuousCollisionType", "None",
