@@ -226,7 +226,9 @@ void ContactFinder::serializeKeys(Archive& archive, const char* name, std::vecto
 }
 
 void ContactFinder::serialize(Archive& archive) {
-  if (!lists_ || !found_) return;
+  bool are_listed = lists_ && found_;  // not where a scene has nothing that can touch, which may change in a run
+  archive.value("are_listed", are_listed);
+  if (!are_listed || !found_) return;
   std::vector<Key> found, answered(answered_->begin(), answered_->end());
   for (const auto& each : *found_) found.push_back(each.first);
   std::vector<Index> orders;

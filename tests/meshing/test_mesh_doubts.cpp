@@ -54,13 +54,13 @@ TEST_F(MeshCommand, OptionsWithoutEffectAndNamesThatMeanTwoThingsAreRefused) {
   write("tet.obj", tetrahedron);
   write("two.mha", Blocks(12).put({2, 2, 2}, {8, 8, 4}, 1).put({2, 2, 6}, {8, 8, 4}, 2).text());
   for (const auto& [line, sentence] : std::vector<std::pair<std::string, std::string>>{
-           {"two.mha -o n.msh --feature-angle 20", "--feature-angle does nothing here"},
-           {"tet.obj -o n.msh --free-volume", "--free-volume does nothing here"},
+           {"two.mha -o n.msh --feature-angle 20", "--feature-angle has no effect here"},
+           {"tet.obj -o n.msh --free-volume", "--free-volume has no effect here"},
            {"tet.obj -o n.msh --feature-angle 1000", "at most 180"},
-           {"tet.obj -o n.vtu --msh22", "--msh22 does nothing here"},
+           {"tet.obj -o n.vtu --msh22", "--msh22 has no effect here"},
            {"tet.obj -o n.msh --unit kg", "--unit kg: expected a length, such as m, cm, mm"},
            {"tet.obj -o n.msh --unit mm --scale 2", "--unit and --scale: expected one of them"},
-           {"two.mha -o n.vtu --name 1=a", "--name does nothing here"},
+           {"two.mha -o n.vtu --name 1=a", "--name has no effect here"},
            {"two.mha -o n.msh --cell-size 2 --cell-size 3", "another one before it"},
            {"two.mha -o n.msh --name 1=a --name 2=a", "would have one name"},
            {"two.mha -o n.msh --name 1=a --name 1=b", "label 1 has a name"},
