@@ -226,9 +226,8 @@ void ContactFinder::serializeKeys(Archive& archive, const char* name, std::vecto
 }
 
 void ContactFinder::serialize(Archive& archive) {
-  bool are_listed = lists_ && found_;  // not where a scene has nothing that can touch, which may change in a run
-  archive.value("are_listed", are_listed);
-  if (!are_listed || !found_) return;
+  if (!lists_) return;
+  if (!found_) reset();  // not compiled: nothing can touch
   std::vector<Key> found, answered(answered_->begin(), answered_->end());
   for (const auto& each : *found_) found.push_back(each.first);
   std::vector<Index> orders;
@@ -246,6 +245,7 @@ void ContactFinder::serialize(Archive& archive) {
   archive.value("searches", searches_), archive.list("begun", begun);
   serializeKeys(archive, "pairs_found", found), serializeKeys(archive, "pairs_answered", answered);
   if (!archive.isReading()) return;
+  if (found_numbers_->of.size() != surfaces_.size()) return reset();  // written where nothing could touch
   for (const Key& key : found) found_->emplace_hint(found_->end(), key, std::vector<Listed>());
   for (std::size_t i = 0; i < answered.size(); ++i) answered_->insert(answered[i]), begun_[answered[i]] = begun[i];
   std::size_t at = 0;
