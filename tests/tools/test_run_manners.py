@@ -382,7 +382,7 @@ class DefaultRecording(Folder):
             self.stroma("run", scene, "-n", "1", cwd=self.path("disk"))
             before = {name: self.read("disk", "results/many/last", name) for name in ("run.instants", "last.checkpoint")}
             result = self.stroma("run", scene, "-n", "50", cwd=self.path("disk"))
-            self.assertRegex(self.notes(result), r"^note: no recording is left .*No space left on device.*; results/many/last is that of a run before\n$")
+            self.assertRegex(self.notes(result), r"^note: no recording is left: .*No space left on device.*; results/many/last is that of a run before\n$")
             self.assertEqual({name: self.read("disk", "results/many/last", name) for name in os.listdir(self.path("disk", "results/many/last"))}, before)
         finally:
             subprocess.run(["umount", self.path("disk")], check=True)
