@@ -51,6 +51,58 @@ def test_shapes_have_the_modal_mass_one_and_free_bodies_move_as_rigid_ones():
             simulation.modes(wrong)
 
 
+def column(load, method="polar", follows=False):
+    """A cantilever of 1 m x 5 cm x 5 cm under an axial load at its end, in critical loads of Euler, and its lowest frequency unloaded."""
+    E, side = 1e6, 0.05
+    inertia = side**4 / 12
+    root = stroma.Node("root", dt=0.01, gravity=(0, 0, 0))
+    root.add("StaticSolver", newton_iterations=50, relative_residual_tolerance_threshold=1e-10)
+    root.add("SparseLUSolver")
+    body = root.add_child("column")
+    body.add("RegularGridTopology", name="grid", n=(21, 3, 3), min=(0, 0, 0), max=(1, side, side))
+    body.add("MechanicalObject", name="dofs")
+    body.add("MeshMatrixMass", massDensity=1000)
+    body.add("HexahedronFEMForceField", name="fem", youngModulus=E, poissonRatio=0, method=method, incompatibleModes=method != "green")
+    body.add("BoxROI", name="end", box=(-1, -1, -1, 1e-6, 1, 1))
+    body.add("FixedProjectiveConstraint", indices="@end.indices")
+    body.add("BoxROI", name="tip", box=(1 - 1e-6, -1, -1, 2, 1, 1))
+    force = -load * numpy.pi**2 * E * inertia / 4
+    if follows:
+        body.add("SurfacePressureForceField", pressure=force / side**2, min=(1 - 1e-6, -1, -1), max=(2, 1, 1))
+    else:
+        body.add("ConstantForceField", indices="@tip.indices", totalForce=(force, 0, 0))
+    simulation = stroma.load(root, quiet=True)
+    simulation.run(1)
+    return simulation, 1.8751**2 / (2 * numpy.pi) * numpy.sqrt(E * inertia / (1000 * side**2))
+
+
+@pytest.mark.parametrize("load", [0.5, 1.5])
+def test_modes_of_a_loaded_column(load):
+    """f = f0 sqrt(1 - P / P_E), nearly: half the load slows it, and beyond the critical load it buckles, in both planes."""
+    simulation, unloaded = column(load)
+    before = simulation.hash
+    found = simulation.modes(2).frequencies
+    expected = numpy.sign(1 - load) * unloaded * numpy.sqrt(abs(1 - load))
+    assert found == pytest.approx([expected, expected], rel=0.1) and simulation.hash == before
+
+
+def test_a_load_that_follows_the_surface_has_no_modes():
+    with pytest.raises(stroma.StromaError, match="not symmetric"):
+        column(0.5, "green", follows=True)[0].modes(1)
+
+
+def test_modes_are_the_lowest_and_the_same_each_time():
+    simulation, _ = column(0, "green")
+    x = numpy.array(simulation.state().x)
+    x[:, 0] *= 1 - 20 * numpy.pi**2 * 0.05**2 / 48  # far beyond the critical load: several shapes grow
+    simulation.state().set(x=x)
+    all_of_them = simulation.modes(5)
+    assert (all_of_them.frequencies[:3] < 0).all() and (numpy.diff(all_of_them.frequencies) > -1e-9).all()
+    for count in (1, 2, 3):
+        assert simulation.modes(count).frequencies == pytest.approx(all_of_them.frequencies[:count], rel=1e-6)
+    assert numpy.array_equal(simulation.modes(3).shapes, simulation.modes(3).shapes)
+
+
 def test_free_directions():
     """Nodes that are held, that slide along an axis, and that slide in a plane which is not across one."""
     root = block()
@@ -118,12 +170,45 @@ def test_gradient_by_a_number_of_each_cell():
         assert found[cell] == pytest.approx(expected, rel=1e-4, abs=1e-5 * abs(found).max())
 
 
+def tied(E, method):
+    """Two blocks side by side, the nodes of whose common face are tied."""
+    root = stroma.Node("root", dt=0.01, gravity=(0, -9.81, 0))
+    root.add("StaticSolver", newton_iterations=100, relative_residual_tolerance_threshold=1e-12)
+    root.add("SparseLUSolver")
+    for name, start in (("a", 0.0), ("c", 0.1)):
+        body = root.add_child(name)
+        body.add("RegularGridTopology", name="grid", n=(5, 3, 3), min=(start, 0, 0), max=(start + 0.1, 0.03, 0.03))
+        body.add("MechanicalObject", name="dofs")
+        body.add("MeshMatrixMass", massDensity=1000)
+        body.add("HexahedronFEMForceField", name="fem", method=method, youngModulus=E if name == "c" else 8e4, poissonRatio=0.3)
+    root["a"].add("BoxROI", name="end", box=(-1, -1, -1, 1e-6, 1, 1))
+    root["a"].add("FixedProjectiveConstraint", indices="@end.indices")
+    root.add("AttachProjectiveConstraint", object1="@a/dofs", object2="@c/dofs", indices1=[4 + 5 * k for k in range(9)],
+             indices2=[5 * k for k in range(9)])
+    simulation = stroma.load(root, quiet=True)
+    simulation.run(1)
+    return simulation
+
+
+@pytest.mark.parametrize("method", ["small", "large"])
+def test_gradient_of_bodies_that_are_tied(method):
+    simulation = tied(9e4, method)
+    of = numpy.zeros(simulation.force().shape)
+    of[simulation.rows()["/c/dofs"].stop - 1, 1] = 1
+    found = simulation.gradient(of, "/c/fem.youngModulus").parameters["/c/fem.youngModulus"]
+    expected = stroma.jacobian(lambda E: tied(E[0], method).state("/c").x[-1, 1], [9e4])[0, 0]
+    assert found == pytest.approx(expected, rel=1e-6)
+
+
 def test_gradients_that_are_none():
     simulation = stroma.load(hanging(nu=0.4), quiet=True)
     simulation.run(1)
     of = numpy.ones((100, 3))
     with pytest.raises(stroma.StromaError, match="jumps"):  # hexahedra change their volume in another way from 0.4 on
         simulation.gradient(of, "/body/fem.poissonRatio")
+    for step in (0, -1e-4, numpy.nan):
+        with pytest.raises(ValueError, match="expected a positive fraction"):
+            simulation.gradient(of, "/body/fem.youngModulus", step=step)
     with pytest.raises(ValueError, match="is no number"):
         simulation.gradient(of, "/body/fem.method")
     with pytest.raises(ValueError, match=r"expected \(100, 3\)"):
@@ -164,10 +249,15 @@ def test_pictures_and_films(simulation, folder):
     frames = struct.unpack(">I", film.png[film.png.index(b"acTL") + 4:][:4])
     assert frames == (3,) and simulation.steps == 6 and not simulation._end
     for wrong, error, words in (({"feild": "x"}, TypeError, "did you mean 'field'"), ({"cut": "q"}, ValueError, "expected"),
-                                ({"range": (2, 1)}, ValueError, "expected"), ({"field": "vonMices"}, stroma.SceneError, "vonMises"),
+                                ({"range": (2, 1)}, ValueError, "expected"), ({"size": (0, 10)}, ValueError, "pixels"),
+                                ({"size": (9.5, 10)}, ValueError, "pixels"), ({"field": "vonMices"}, stroma.SceneError, "vonMises"),
                                 ({"cut": ("x", 9.0)}, stroma.SceneError, "between")):
         with pytest.raises(error, match=words):
             simulation.picture(**wrong)
+    for every in (0, 1.5):
+        with pytest.raises(ValueError, match="expected a whole number"):
+            simulation.film(steps=2, every=every)
+    assert simulation.steps == 6
 
 
 def test_forces_of_each_node(simulation):
@@ -186,6 +276,9 @@ def test_forces_of_each_node(simulation):
             pull.change(force=wrong)
     with pytest.raises(stroma.SceneError, match="node 1000"):
         one.add_force("/body", [3, 1000], numpy.ones((2, 3)))
+    for mask in (numpy.arange(100) == 5, [True, False], True):
+        with pytest.raises(TypeError, match="flatnonzero"):
+            one.add_force("/body", mask, (0, 1, 0))
     pull.remove()
     first.remove(), second.remove()
     one.run(2), other.run(2)
@@ -218,6 +311,26 @@ def test_copies_of_all_kinds(simulation):
 def lowest(simulation):
     simulation.run(3)
     return float(simulation.state().x[:, 1].min())
+
+
+def failing(simulation):
+    """Fails with the soft body, in an exception and in a result that no other process can read."""
+    young = simulation["/body/fem"].youngModulus
+    if young < 6e3:
+        raise stroma.StepError("it diverged", simulation.run(1))
+    return simulation.run(1) if young < 8e3 else young
+
+
+def test_a_run_that_fails_in_a_process_leaves_the_others():
+    values = {"/body/fem.youngModulus": [5e3, 7e3, 1e4]}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        first, second, third = stroma.sweep(block(), values, failing, processes=1)
+    assert isinstance(first.error, stroma.StepError) and "it diverged" in str(first.error) and first.result is None
+    assert isinstance(second.error, stroma.StromaError) and "RunReport" in str(second.error) and second.result is None
+    assert third.error is None and third.result == 1e4
+    with pytest.raises(ValueError, match="expected 1 or more"):
+        stroma.sweep(block(), values, failing, processes=0)
 
 
 def test_runs_in_processes():

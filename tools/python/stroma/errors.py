@@ -49,6 +49,9 @@ class StepError(StromaError):
         self.report = report
         super().__init__(reason)
 
+    def __reduce__(self):  # a report belongs to its process
+        return type(self), (str(self),)
+
 
 class SceneWarning(UserWarning):
     """A scene or a run that may not be what was meant: what the command prints as "warning"."""

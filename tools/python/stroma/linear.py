@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 _STILL = 1e-4  # of the size of the body: a step of Newton's method that is longer has left no equilibrium
 _ILL = 1e12
+_UNEVEN = 1e-3  # of a shape: what the part of dF/dx that is not symmetric may change; frequencies change by the square
 _SINGULAR = "something in the scene moves freely, which no stiffness holds: its equilibrium has no derivative"
 _ENTRIES = 200  # of arrays of parameters: each costs two forces
 
@@ -60,33 +61,52 @@ def free_directions(held: Any) -> Any:
 
 
 def modes_of(simulation: "Simulation", count: int, integrator: str) -> Modes:
-    """The lowest solutions of -K u = (2 pi f)^2 M u in the free directions."""
-    from scipy.sparse.linalg import eigsh
+    """The lowest solutions of -K u = (2 pi f)^2 M u in the free directions, with K = dF/dx, the geometric stiffness included."""
+    from scipy.sparse.linalg import LinearOperator, eigsh
     T = simulation.free_directions(integrator)
     size = T.shape[1]
     if not 0 < count < size:
         raise ValueError(f"{count} modes of a body with {size} free directions: expected 1 to {size - 1}")
-    K, M = (T.T @ simulation.matrix(kind, constrained=True, integrator=integrator) @ T for kind in ("stiffness", "mass"))
-    largest = abs(K).max()
-    if abs(K - K.T).max() > 1e-8 * largest:
-        raise StromaError("the stiffness is not symmetric: its modes are no vibrations. scipy.sparse.linalg.eigs takes matrix() as it is")
-    mass = M.diagonal().sum()
-    if not mass > 0:
+    present = _Forces(simulation, integrator)
+    M = (T.T @ simulation.matrix("mass", constrained=True, integrator=integrator) @ T).tocsc()
+    if not M.diagonal().sum() > 0:
         raise StromaError("nothing that is free has a mass: there are no modes")
-    # a little below zero, so that bodies that move freely have a matrix that can be factorised
-    shift = -1e-6 * (abs(K.diagonal()).sum() / mass or 1.0)
-    squares, vectors = eigsh(-K.tocsc(), count, M.tocsc(), sigma=shift, which="LM")
+    whole = (T.T @ present.stiffness() @ T).tocsc()
+    K, uneven = (whole + whole.T) / 2, (whole - whole.T) / 2
+    shift, factors = _below_all(K, M)
+    squares, vectors = eigsh(-K, count, M, sigma=shift, which="LM", OPinv=LinearOperator(K.shape, factors.solve),
+                             v0=numpy.random.default_rng(0).normal(size=size))  # the same shapes from each call
     order = numpy.argsort(squares)
     squares, vectors = squares[order], vectors[:, order]
+    turned = factors.solve(uneven @ vectors)  # how the rest of dF/dx changes the shapes, in the first order
+    if not numpy.sqrt((turned * (M @ turned)).sum(axis=0)).max() <= _UNEVEN:
+        raise StromaError("the stiffness is not symmetric: its modes are no vibrations. scipy.sparse.linalg.eigs takes matrix() as it is")
+    vectors = vectors * numpy.sign(vectors[abs(vectors).argmax(axis=0), numpy.arange(count)])
     frequencies = numpy.sign(squares) * numpy.sqrt(abs(squares)) / (2 * numpy.pi)
     return Modes(frequencies, numpy.ascontiguousarray((T @ vectors).T).reshape(count, -1, 3))
 
 
-class _Equilibrium:
-    """A copy of a simulation at an equilibrium x, F(x, p) = 0 in the free directions T, with K = T^T dF/dx T."""
+def _below_all(K: Any, M: Any) -> Tuple[float, Any]:
+    """A shift below every solution of -K u = s M u, so that those nearest to it are the lowest, and the factors of -K - shift M.
+    It starts a little below zero, where the matrix of a body that moves freely can be factorised."""
+    from scipy.sparse.linalg import splu
+    shift = -1e-6 * (abs(K.diagonal()).sum() / M.diagonal().sum() or 1.0)
+    for _ in range(30):
+        try:
+            factors = splu((-K - shift * M).tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+            # without exchanged rows, positive pivots say that the matrix is positive definite
+            if (factors.U.diagonal() > 0).all() and (factors.perm_r == factors.perm_c).all():
+                return shift, factors
+        except RuntimeError:  # a pivot of zero
+            pass
+        shift *= 10
+    raise StromaError("the lowest mode is not found: some free directions have no mass, and the stiffness does not hold them")
+
+
+class _Forces:
+    """A copy of a simulation whose forces F(x) are differentiated in the free directions T."""
 
     def __init__(self, simulation: "Simulation", integrator: str):
-        from scipy.sparse.linalg import splu
         self.copy = simulation.copy()
         self.integrator = integrator
         self.T = simulation.free_directions(integrator)
@@ -94,18 +114,12 @@ class _Equilibrium:
         self.states = {path: self.copy.state(path) for path in self.rows}
         self.start = {path: numpy.array(state.x) for path, state in self.states.items()}
         self.size = max(float(numpy.ptp(x[:, :3], axis=0).max()) for x in self.start.values()) or 1.0
-        self.present = self.copy.force(integrator)
-        K = simulation.matrix("stiffness", constrained=True, integrator=integrator)
+        self.matrix = simulation.matrix("stiffness", constrained=True, integrator=integrator)
+
+    def stiffness(self) -> Any:
+        """dF/dx, (3 rows, 3 rows)."""
         of_points = all(state.kind == "points" for state in self.states.values())
-        reduced = (self.T.T @ (self._derivative(K) if of_points else K) @ self.T).tocsc()
-        try:
-            self.factors = splu(reduced)
-        except RuntimeError:  # an exact zero
-            raise StromaError(_SINGULAR) from None
-        # how far a force is taken, against what its size and that of K would do: of a body that moves freely round-off decides
-        random = numpy.random.default_rng(1).normal(size=reduced.shape[0])
-        if not numpy.linalg.norm(self.factors.solve(random)) * abs(reduced).max() < _ILL * numpy.linalg.norm(random):
-            raise StromaError(_SINGULAR)
+        return self._derivative(self.matrix) if of_points else self.matrix
 
     def force(self) -> numpy.ndarray:
         return self.copy.force(self.integrator)
@@ -115,12 +129,22 @@ class _Equilibrium:
         h = 1e-6 * self.size / max(abs(direction).max(), 1e-300)
         forces = []
         for side in (h, -h):
-            for path, rows in self.rows.items():
-                self.states[path].set(x=self.start[path] + side * direction[rows])
+            self._put(side * direction)
             forces.append(self.force())
-        for path, x in self.start.items():
-            self.states[path].set(x=x)
+        self._put(numpy.zeros_like(direction))
         return (forces[0] - forces[1]) / (2 * h)
+
+    def _put(self, change: numpy.ndarray) -> None:
+        """Moves the nodes from where they started. Constraints that tie nodes of two states average them whenever one state is set,
+        so that all states are set again until nothing moves: each pass leaves a quarter of what is missing."""
+        before: Dict[str, numpy.ndarray] = {}
+        for _ in range(60):
+            for path, rows in self.rows.items():
+                self.states[path].set(x=self.start[path] + change[rows])
+            now = {path: numpy.array(self.states[path].x) for path in self.rows}
+            if len(now) == 1 or before and max(abs(x - before[path]).max() for path, x in now.items()) <= 1e-15 * self.size:
+                return
+            before = now
 
     def _is_derivative(self, K: Any) -> bool:
         random = numpy.random.default_rng(0).normal(size=self.T.shape[1])
@@ -153,8 +177,26 @@ class _Equilibrium:
                     values.append(slope[to].ravel())
         found = csr_matrix((numpy.concatenate(values), (numpy.concatenate(rows), numpy.concatenate(columns))), shape=K.shape)
         if not self._is_derivative(found):
-            raise StromaError("the derivative of the equilibrium is not found: nodes act on others that their stiffness does not know")
+            raise StromaError("the derivative of the forces is not found: nodes act on others that their stiffness does not know")
         return found
+
+
+class _Equilibrium(_Forces):
+    """A copy of a simulation at an equilibrium x, F(x, p) = 0 in the free directions T, with the factors of T^T dF/dx T."""
+
+    def __init__(self, simulation: "Simulation", integrator: str):
+        from scipy.sparse.linalg import splu
+        super().__init__(simulation, integrator)
+        self.present = self.force()
+        reduced = (self.T.T @ self.stiffness() @ self.T).tocsc()
+        try:
+            self.factors = splu(reduced)
+        except RuntimeError:  # an exact zero
+            raise StromaError(_SINGULAR) from None
+        # the longest step that a force causes, relative to its size and that of K: of a body that moves freely round-off decides
+        random = numpy.random.default_rng(1).normal(size=reduced.shape[0])
+        if not numpy.linalg.norm(self.factors.solve(random)) * abs(reduced).max() < _ILL * numpy.linalg.norm(random):
+            raise StromaError(_SINGULAR)
 
     def difference(self, attribute: str, value: Any, change: Any) -> numpy.ndarray:
         """T^T dF/dp times the change of a value p."""
@@ -176,6 +218,8 @@ def gradient_of(simulation: "Simulation", of: Any, parameters: Iterable[str], st
     import warnings
 
     from .errors import SceneWarning
+    if not 0 < step < numpy.inf:
+        raise ValueError(f"differences with a step of {step}: expected a positive fraction of the parameter, as 1e-4")
     asked = [parameters] if isinstance(parameters, str) else list(parameters)
     present = _Equilibrium(simulation, integrator)
     right = numpy.array(of, float)
@@ -206,7 +250,7 @@ def _by_parameter(simulation: "Simulation", present: _Equilibrium, adjoint: nump
     if cells is not None:
         return _by_cells(present, adjoint, name, value, cells, step)
     if value.size > _ENTRIES:
-        raise ValueError(f"{name} has {value.size} numbers, one for each of no cells of the mesh, and each costs two forces: expected "
+        raise ValueError(f"{name} has {value.size} numbers, as many as no kind of cell of the mesh has, and each costs two forces: expected "
                          f"{_ENTRIES} or fewer")
     out = numpy.zeros(value.shape)
     for index in numpy.ndindex(value.shape):

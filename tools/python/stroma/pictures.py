@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Pictures and films of a simulation, drawn without a display. Jupyter shows them below the cell."""
+import operator
 import os
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple, Union
 
@@ -54,6 +55,16 @@ def _cut(given: Union[str, Tuple[Any, ...]]) -> Tuple[int, float, str]:
     return _AXES[axis], float(words[1]), kept
 
 
+def _size(given: Any) -> Tuple[int, int]:
+    try:
+        width, height = map(operator.index, given)
+    except (TypeError, ValueError):
+        width = height = 0
+    if min(width, height) < 1:
+        raise ValueError(f"no picture has the size {given!r}: expected (width, height) in pixels, two whole numbers above 0")
+    return width, height
+
+
 def _request(look: Dict[str, Any]) -> Any:
     request = _stroma.PictureRequest()
     for name, value in look.items():
@@ -68,7 +79,7 @@ def _request(look: Dict[str, Any]) -> Any:
                 raise ValueError(f"the colours cannot go from {low:g} to {high:g}: expected (low, high)")
             request.set_range(low, high)
         elif name == "size":
-            request.width, request.height = map(int, value)
+            request.width, request.height = _size(value)
         elif name == "cut":
             request.set_cut(_cut(value))
         elif name in _WORDS:
@@ -89,13 +100,17 @@ def picture_of(simulation: "Simulation", look: Dict[str, Any]) -> Picture:
 
 
 def film_of(simulation: "Simulation", steps: Optional[int], until: Optional[float], every: int, fps: float, look: Dict[str, Any]) -> Picture:
-    if int(every) < 1 or not fps > 0:
-        raise ValueError(f"a film has a frame every {every} steps and {fps} frames a second: expected every=1 or more, fps above 0")
+    try:
+        between = operator.index(every)
+    except TypeError:
+        between = 0
+    if between < 1 or not fps > 0:
+        raise ValueError(f"a film has a frame every {every} steps and {fps} frames a second: expected a whole number from 1 on, and fps above 0")
     camera = _stroma.Camera(simulation._engine)
     camera.begin(_request(look))
     camera.take()
     first = simulation.steps
-    token = simulation.on_step_end(lambda sim: camera.take() if (sim.steps - first) % every == 0 else None)
+    token = simulation.on_step_end(lambda sim: camera.take() if (sim.steps - first) % between == 0 else None)
     try:
         report = simulation.run(steps, until)
     finally:

@@ -786,6 +786,8 @@ class Force:
     def _arguments(self) -> List[tuple]:
         """Of each of the engine's inputs: one, or where each node has a force of its own one for each."""
         given = self._given
+        if numpy.asarray(given["nodes"]).dtype == bool:
+            raise TypeError("a force acts on nodes by their numbers, not on a mask: expected numbers, as numpy.flatnonzero(mask)")
         nodes = [operator.index(node) for node in numpy.atleast_1d(given["nodes"]).tolist()] if numpy.size(given["nodes"]) else []
         force, targets = numpy.array(given["force"], float), [[float(c) for c in target] for target in given["targets"]]
         pull = float(given["stiffness"]), float(given["damping"])

@@ -4,12 +4,14 @@ import functools
 import itertools
 import multiprocessing
 import os
+import pickle
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Union
 
 import numpy
 
 from . import _stroma
+from .errors import StromaError
 from .simulation import Simulation, load
 from .tree import Node
 
@@ -32,12 +34,15 @@ def sweep(scene: Union[str, os.PathLike, Node], values: Dict[str, Iterable[Any]]
     names = list(values)
     combinations = [dict(zip(names, chosen)) for chosen in itertools.product(*(list(values[name]) for name in names))]
 
-    each = functools.partial(_one, scene, run)
     if processes is None:
+        each = functools.partial(_one, scene, run)
         with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
             return list(pool.map(each, combinations))
     if threads is not None:
         raise ValueError("a sweep has threads or processes, not both")
+    if processes < 1:
+        raise ValueError(f"a sweep in {processes} processes: expected 1 or more")
+    each = functools.partial(_one_sent, scene, run)
     # processes that start afresh: one that is forked has the engine's threads by name only
     with ProcessPoolExecutor(processes, multiprocessing.get_context("spawn")) as pool:
         return list(pool.map(each, combinations))
@@ -48,6 +53,19 @@ def _one(scene: Any, run: Callable[[Simulation], Any], chosen: Dict[str, Any]) -
         return Run(chosen, run(load(scene, set=chosen, observers=False)), None)
     except Exception as error:  # noqa: BLE001 pylint: disable=broad-except
         return Run(chosen, None, error)
+
+
+def _one_sent(scene: Any, run: Callable[[Simulation], Any], chosen: Dict[str, Any]) -> Run:
+    """In a process: what cannot be sent back, such as an exception that holds a report, is replaced by a StromaError that names it."""
+    made = _one(scene, run, chosen)
+    try:
+        pickle.loads(pickle.dumps(made))
+        return made
+    except Exception as reason:  # noqa: BLE001 pylint: disable=broad-except
+        if made.error is not None:
+            return Run(chosen, None, StromaError(f"{type(made.error).__name__}: {made.error}"))
+        return Run(chosen, None, StromaError(f"the result, a {type(made.result).__name__}, cannot be sent from its process ({reason}): expected "
+                                             "numbers, arrays, or lists and dictionaries of them"))
 
 
 def jacobian(function: Callable[[numpy.ndarray], Any], at: Sequence[float], step: float = 1e-4) -> numpy.ndarray:
