@@ -244,6 +244,10 @@ SolveReport PCGLinearSolver::solveAll(SystemMatrix& matrix, std::span<const Cons
                                       const SolveTerms& terms) {
   auto* const automatic = dynamic_cast<AutomaticInverse*>(keptFor(matrix).inverse.get());
   if (!automatic || b.size() < 2) return LinearSolver::solveAll(matrix, b, x, terms);
+  struct OneAgain {  // also where a solve throws
+    AutomaticInverse& inverse;
+    ~OneAgain() { inverse.expectSides(1); }
+  } const one_again{*automatic};
   automatic->expectSides(b.size());
   SolveReport all{.stop = SolveStop::zero_right_side};
   bool goes_on = true, together = true;
@@ -261,7 +265,6 @@ SolveReport PCGLinearSolver::solveAll(SystemMatrix& matrix, std::span<const Cons
       goes_on = all.add(solve(matrix, b[done], x[done], terms)), ++done;
     }
   }
-  automatic->expectSides(1);
   return all;
 }
 

@@ -60,10 +60,11 @@ std::string sceneOf(const Arch& arch) {
 
 struct Fall {
   double way = 0, speed = 0;  ///< of the keystone [m], [m/s]
+  double fastest = 0;         ///< its largest speed once the gaps of the start have closed [m/s]
 };
 
-/// How far the keystone has come down, and how fast it still is. It is let go on until both are more than `enough`.
-Fall fallOf(const Arch& arch, const Fall& enough = {1e9, 1e9}) {
+/// How far the keystone has come down, and how fast it is. The run ends early where both exceed `enough`.
+Fall fallOf(const Arch& arch, const Fall& enough = {1e9, 1e9, 0}) {
   Simulation simulation = simulationFromText(sceneOf(arch));
   const State* keystone = nullptr;
   for (const State* state : simulation.states())
@@ -73,36 +74,38 @@ Fall fallOf(const Arch& arch, const Fall& enough = {1e9, 1e9}) {
   for (int step = 0; step < arch.steps && !(fall.way > enough.way && fall.speed > enough.speed); ++step) {
     expectCleanStep(simulation, step, false);
     if (::testing::Test::HasFatalFailure()) break;
-    fall = {start - keystone->x()[0].z(), keystone->v()[0].norm()};
+    const double speed = keystone->v()[0].norm();
+    fall = {start - keystone->x()[0].z(), speed, step < 5 ? 0 : std::max(fall.fastest, speed)};
   }
   return fall;
 }
 
 TEST(Arch, StandsWhereItIsThickEnough) {
-  const auto [sinks, moves] = fallOf({});
-  RecordProperty("the keystone of the thick arch [m], [m/s]", fmt::format("{} {}", sinks, moves));
-  EXPECT_LT(sinks, 5 * range) << "the joints give way, nothing else does";
-  EXPECT_LT(moves, 0.01);
-  const Fall far{20 * range, 0.1};
-  const auto [falls, goes_on] = fallOf({.thickness = 0.08}, far);
-  RecordProperty("the keystone of the thin arch [m], [m/s]", fmt::format("{} {}", falls, goes_on));
-  EXPECT_GT(falls, far.way);
-  EXPECT_GT(goes_on, far.speed);
+  const Fall thick = fallOf({});
+  RecordProperty("the keystone of the thick arch [m], [m/s]", fmt::format("{} {}", thick.way, thick.speed));
+  EXPECT_LT(thick.way, 5 * range) << "only the joints yield";
+  EXPECT_LT(thick.speed, 0.01);
+  const Fall far{20 * range, 0.1, 0};
+  const Fall thin = fallOf({.thickness = 0.08}, far);
+  RecordProperty("the keystone of the thin arch [m], [m/s]", fmt::format("{} {}", thin.way, thin.speed));
+  EXPECT_GT(thin.way, far.way);
+  EXPECT_GT(thin.speed, far.speed);
 }
 
 /// 25 blocks on a plane by forces of constraint. Joints can only open between blocks: the thinnest arch of which forces at the rims
 /// of joints are in balance is 0.1070 radii thick, and the least friction of one of 0.15 radii is 0.3501, by linear programming.
 TEST(Arch, StandsByForcesOfConstraint) {
   for (const Arch& stands : {Arch{0.112, 0.6, true, 30}, Arch{0.15, 0.37, true, 30}}) {  // four times as long as those that fall
-    const auto [sinks, moves] = fallOf(stands);
-    EXPECT_LT(sinks, 0.02 * range) << stands.thickness << ", the gaps that it starts with close";
-    EXPECT_LT(moves, 1e-5) << stands.thickness << ", nothing falls that slowly";
+    const Fall fall = fallOf(stands);
+    EXPECT_LT(fall.way, 0.02 * range) << stands.thickness << ", the gaps that it starts with close";
+    // Newton's tolerance allows some 1e-5, which grows until a step needs another iteration
+    EXPECT_LT(fall.fastest, 1e-4) << stands.thickness << ", an arch that falls is a hundred times as fast";
   }
   for (const Arch& falls : {Arch{0.102, 0.6, true, 15}, Arch{0.15, 0.33, true, 15}}) {
-    const Fall far{0.25 * range, 0.01};
-    const auto [sinks, moves] = fallOf(falls, far);
-    EXPECT_GT(sinks, far.way) << falls.thickness;
-    EXPECT_GT(moves, far.speed) << falls.thickness;
+    const Fall far{0.25 * range, 0.01, 0};
+    const Fall fall = fallOf(falls, far);
+    EXPECT_GT(fall.way, far.way) << falls.thickness;
+    EXPECT_GT(fall.speed, far.speed) << falls.thickness;
   }
 }
 
