@@ -11,9 +11,8 @@
 // Sticking contacts do not creep. The integrator finds the forces from the compliance of the bodies (Signorini and Coulomb): condensed
 // bodies read it from their inverse; EulerImplicitSolver, TrapezoidalRuleSolver, BDFOdeSolver and StaticSolver solve for each
 // condition. Distances and normals are those at the end of the step. Violations of gaps and of sticking up to `toleratedError`, by default
-// a thousandth of contactDistance, are accepted; mostly they are round-off. Up to ten times that, or a quarter of contactDistance if
-// all bodies are rigid, is reported at the end of a run. Edges whose bend is at most `toleratedError` high are flat (kept_gaps.h). Forces
-// of a pair are equal and opposite.
+// a thousandth of contactDistance, are accepted; mostly they are round-off. Up to ten times that is reported at the end
+// of a run. Edges whose bend is at most `toleratedError` high are flat (kept_gaps.h). Forces of a pair are equal and opposite.
 //
 // Pairs are found at the start of a step: those that may come near if bodies move at most twice as far as in the last step or at their
 // speed, plus an eighth of the mean edge. Each step is also proved (kept_gaps.h): every pair can move on a straight path
@@ -110,7 +109,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void startObstacles();
   std::size_t rowsOfEach() const { return friction_ > 0 ? 3 : 1; }
   double toleratedError() const { return tolerated_error_ > 0 ? tolerated_error_ : 1e-3 * law_.range; }
-  double reportedError() const { return std::max(10 * toleratedError(), are_all_rigid_ ? law_.range / 4 : 0); }
+  double reportedError() const { return 10 * toleratedError(); }
   std::string nameOf(int vertex) const { return nameOfVertex(law_.surfaces, bodies_, vertex); }
 
   Link<State> mstate_{"mechanical state"};
@@ -127,7 +126,6 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   Wrenches wrenches_;
 
   std::vector<State*> bodies_;
-  bool are_all_rigid_ = false;
   bool is_built_ = false, is_clear_ = false;  ///< with rows of a system; forces on nodes are all zero
   std::vector<Vec3> start_, end_;  ///< of all vertices, where the step starts, and where the last one ended
   mutable std::vector<Vec3> x_;    ///< where conditions were last looked at
@@ -147,8 +145,8 @@ void ConstraintContact::declare(DataTable& table) {
   table.add("thickness", law_.thickness).help("distance of two surfaces at which their gap is zero").unit("m").min(0);
   table.add("friction", friction_).help("Coulomb's coefficient mu").unit("-").min(0);
   table.add("toleratedError", tolerated_error_)
-      .help("gaps and slides may be off by this; up to ten times it, or contactDistance/4 between rigid bodies, the run goes on with a "
-            "warning, beyond that it ends; 0: contactDistance/1000")
+      .help("gaps and slides may be off by this; up to ten times it the run goes on with a warning, beyond that it ends; 0: "
+            "contactDistance/1000")
       .unit("m")
       .min(0);
   table.add("selfContact", self_).help("a body meets itself; several bodies of one state meet by this too");
@@ -192,7 +190,6 @@ void ConstraintContact::build() {
   law_.candidates.self_contact = self_;
   law_.compile();
   const std::vector<char> rigid = areRigid(law_.surfaces, bodies_);
-  are_all_rigid_ = std::ranges::all_of(rigid, [](char each) { return each != 0; });
   gaps_.compile(law_, toleratedError(), rigid), kept_forces_.compile(law_.surfaces, rigid);
   wrenches_.compile(law_, bodies_);
 }

@@ -179,8 +179,10 @@ bool KeptGaps::begin(const BarrierLaw& law, const std::vector<Vec3>& x, double w
   moved_at_start_ = law.moved, way_ = way, unproved_ = 0, not_free_ = nullptr, keeps_directions_ = false;
   findPairs(law, x, ways);
   all_.clear(), watched_.clear(), watched_vertices_.clear(), flush_.begin();
+  touches_.clear(), uninvited_.clear(), next_spare_ = 0, has_spares_ = false;
   if (!law.candidates.pairs().empty()) return true;
   addPlanes(law, x);
+  next_spare_ = all_.size();
   return false;
 }
 
@@ -248,10 +250,10 @@ void KeptGaps::findWayAcross(KeptGap& gap, const BarrierLaw& law) {
 
 void KeptGaps::look(const BarrierLaw& law, const std::vector<Vec3>& x) {
   if (start_.size() != x.size()) return;  // between a restored state and its first step
-  unproved_ = beyond(law, x), is_beyond_ = unproved_ > 0;
+  unproved_ = beyond(law, x);
   findFirstTouches(law, x);
   bool are_kept = true;
-  giveConditions(law);
+  giveConditions(law, x);
   for (KeptGap& gap : all_) {
     if (gap.is_spare) continue;
     gap.is_trusted = isTrusted(gap, law, x);

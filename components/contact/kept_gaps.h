@@ -111,9 +111,6 @@ class KeptGaps {
   bool keepsDirections() const { return keeps_directions_; }
   /// The length of motion to the last x that is not proved [m]; 0: the step is proved.
   double unproved() const { return unproved_; }
-  /// If only rigid bodies touch on their paths, and none intersect at the last x by an exact test: an upper bound of their penetration
-  /// on the way [m]. Otherwise infinity.
-  double mostGrazed(const BarrierLaw& law, const std::vector<Vec3>& x) const;
   /// The first pair to touch; null: none.
   const Candidate* notFree() const { return not_free_; }
   const std::vector<KeptGap>& all() const { return all_; }
@@ -123,7 +120,10 @@ class KeptGaps {
   /// The smallest gap at the last x, minus contactDistance [m]; infinity without any.
   double smallest(const BarrierLaw& law, const std::vector<Vec3>& x);
   Vec3 slide(const KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) const;
-  void clear() { all_.clear(), watched_.clear(), watched_vertices_.clear(), start_.clear(), not_free_ = nullptr; }
+  void clear() {
+    all_.clear(), watched_.clear(), watched_vertices_.clear(), start_.clear(), not_free_ = nullptr;
+    touches_.clear(), uninvited_.clear(), next_spare_ = 0, has_spares_ = false;
+  }
 
  private:
   void addPlanes(const BarrierLaw& law, const std::vector<Vec3>& x);
@@ -145,9 +145,10 @@ class KeptGaps {
   FreeWay freeWayOf(const BarrierLaw& law, const Candidate& pair, double start, const std::vector<Vec3>& x) const;
   void forgiveTurning(const BarrierLaw& law, const std::vector<Vec3>& x);
   bool areFreeTurning(const BarrierLaw& law, int a, int b, const std::vector<Vec3>& x, bool screws) const;  ///< kept_turns.cpp
-  double widthOf(int body, const Surfaces& surfaces, const std::vector<Vec3>& x) const;
   void addSpares();
-  void giveConditions(const BarrierLaw& law);
+  void giveConditions(const BarrierLaw& law, const std::vector<Vec3>& x);
+  /// Otherwise a motion of rigid bodies beyond lookedFor() is not proved.
+  bool canWatchFarther() const { return is_searched_ && has_spares_; }
   bool boxDisplacements(const BarrierLaw& law, const std::vector<Vec3>& x);
   bool isWithin(const BarrierLaw& law, const std::vector<Vec3>& x);
   double beyond(const BarrierLaw& law, const std::vector<Vec3>& x);
@@ -186,6 +187,7 @@ class KeptGaps {
   std::vector<Touch> touches_;  ///< at the last x
   std::vector<const Candidate*> uninvited_;  ///< watched pairs of rigid bodies that touch or are nearer than the gap to keep
   std::size_t next_spare_ = 0;  ///< in all_
+  bool is_searched_ = false, has_spares_ = false;  ///< in this step
   static constexpr double untouched = 2;  ///< in first_
   std::vector<KeptGap> all_;  ///< with a condition
   std::vector<Watched> watched_;
@@ -220,7 +222,6 @@ class KeptGaps {
   FlushFaces flush_;
   std::vector<char> rigid_;  ///< per body
   double way_ = 0, unproved_ = 0, tolerated_ = 0;
-  bool is_beyond_ = false;  ///< something has moved farther than pairs were searched
   const Candidate* not_free_ = nullptr;
 };
 

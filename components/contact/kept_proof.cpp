@@ -9,7 +9,6 @@
 #include <cmath>
 #include <limits>
 
-#include "components/contact/contact_inside.h"
 #include "components/contact/kept_gaps.h"
 
 namespace stroma::contact {
@@ -18,8 +17,11 @@ void KeptGaps::findPairs(const BarrierLaw& law, const std::vector<Vec3>& x, cons
   ways_ = ways, farther_.clear(), farther_pairs_.clear();
   double most = way_;
   for (const double each : ways) most = std::max(most, each);
-  if (law.candidates.areFarther(x, law.candidates.reach + 2 * most)) return;
-  law.candidates.findWithin(x, [&](int a, int b) { return lookedFor(a, b) / 2; });
+  is_searched_ = !law.candidates.areFarther(x, law.candidates.reach + 2 * most);
+  if (!is_searched_)
+    std::ranges::fill(ways_, most);  // all of them are that far apart
+  else
+    law.candidates.findWithin(x, [&](int a, int b) { return lookedFor(a, b) / 2; });
 }
 
 /// How far two bodies may move against each other without meeting in a pair that nobody looks at [m].
@@ -109,20 +111,27 @@ void KeptGaps::findFirstTouches(const BarrierLaw& law, const std::vector<Vec3>& 
 void KeptGaps::addSpares() {
   constexpr std::size_t some = 32, part = 4;
   next_spare_ = all_.size();
-  if (std::ranges::none_of(watched_, [this](const Watched& each) { return isOfRigid(each.a, each.b); })) return;
+  if (std::ranges::count_if(rigid_, [](char each) { return each != 0; }) < 2) return;
   KeptGap spare;
   spare.is_spare = spare.is_lower_bound = spare.is_rigid = true, spare.gap = way_;
   all_.insert(all_.end(), some + next_spare_ / part, spare);
+  has_spares_ = true;
 }
 
-/// Watched pairs that have come near become conditions, in the order in which they do.
-void KeptGaps::giveConditions(const BarrierLaw& law) {
+/// Watched pairs that have come near become conditions. Without a condition the step is not proved.
+void KeptGaps::giveConditions(const BarrierLaw& law, const std::vector<Vec3>& x) {
   if (uninvited_.empty()) return;
   std::ranges::sort(uninvited_, [](const Candidate* a, const Candidate* b) { return *a < *b; });
   const std::size_t first = next_spare_;
   for (const Candidate* pair : uninvited_) {
-    if (next_spare_ == all_.size()) break;
-    makeGap(*pair, true, law, all_[next_spare_++]);
+    if (next_spare_ >= all_.size()) {
+      unproved_ = std::max(unproved_, law.range);
+      if (!not_free_) not_free_ = pair;
+      break;
+    }
+    KeptGap& gap = all_[next_spare_++];
+    makeGap(*pair, true, law, gap);
+    gap.moved = freeWayOf(law, *pair, gap.start, x).moved;
   }
   for (Touch& each : touches_)
     for (std::size_t i = first; i < next_spare_; ++i)
@@ -145,46 +154,6 @@ void KeptGaps::forgiveTurning(const BarrierLaw& law, const std::vector<Vec3>& x)
     if (are_free && each.gap) each.gap->free = 1;
     return are_free;
   });
-}
-
-/// The smallest extent of a closed body along the normals of its faces [m].
-double KeptGaps::widthOf(int body, const Surfaces& s, const std::vector<Vec3>& x) const {
-  constexpr double none = std::numeric_limits<double>::infinity();
-  const Surfaces::Body& each = s.bodies()[std::size_t(body)];
-  if (!s.isOneSided(each.first_vertex)) return none;
-  double least = none;
-  for (int f = each.first_face; f < each.first_face + each.faces; ++f) {
-    const auto& face = s.faces[std::size_t(f)];
-    const Vec3& from = x[std::size_t(face[0])];
-    const Vec3 across = (x[std::size_t(face[1])] - from).cross(x[std::size_t(face[2])] - from);
-    if (!(across.norm() > 0)) continue;
-    double low = none, high = -none;
-    for (int v = each.first_vertex; v < each.first_vertex + each.vertices; ++v) {
-      const double height = across.dot(x[std::size_t(v)] - from) / across.norm();
-      low = std::min(low, height), high = std::max(high, height);
-    }
-    least = std::min(least, high - low);
-  }
-  return least;
-}
-
-/// What has gone all through another body has moved against it by its width at least, of the thinner one of both: less than that after
-/// the first touch says that it has not.
-double KeptGaps::mostGrazed(const BarrierLaw& law, const std::vector<Vec3>& x) const {
-  constexpr double none = std::numeric_limits<double>::infinity();
-  if (is_beyond_ || touches_.empty() || !are_boxes_known_) return none;
-  const Surfaces& s = law.surfaces;
-  double most = 0;
-  for (const Touch& each : touches_) {
-    const FreeWay way = freeWayOf(law, *each.pair, 0, x);
-    const double inside = (1 - each.free) * way.moved, width = std::min(widthOf(each.a, s, x), widthOf(each.b, s, x));
-    if (!each.is_rigid || !(std::isfinite(width) && inside < width)) return none;
-    for (const auto& [in, body] : {std::pair(each.a, each.b), std::pair(each.b, each.a)})
-      if (s.isOneSided(s.bodies()[std::size_t(body)].first_vertex) &&
-          isInside(x[std::size_t(s.bodies()[std::size_t(in)].first_vertex)], s, x, body)) return none;
-    most = std::max(most, inside);
-  }
-  return law.candidates.crossings(x).empty() ? most : none;
 }
 
 /// It is the first that its vertices touch, or they touch nothing.
@@ -233,7 +202,11 @@ bool KeptGaps::isWithin(const BarrierLaw& law, const std::vector<Vec3>& x) {
   forEachMeeting(law, [&](int a, int b) {
     const double most = mostApart(around_[std::size_t(a)], b < 0 ? of_planes : around_[std::size_t(b)]);
     if (b >= 0 && isOfRigid(a, b)) {
-      if (most > ways_[std::size_t(a)] + ways_[std::size_t(b)] && most > lookedFor(a, b)) watchFarther(law, a, b, most);
+      if (!(most > ways_[std::size_t(a)] + ways_[std::size_t(b)] && most > lookedFor(a, b))) return;
+      if (canWatchFarther())
+        watchFarther(law, a, b, most);
+      else
+        is_within = false;
     } else {
       is_within = is_within && most <= 2 * way_;
     }
@@ -249,14 +222,15 @@ double KeptGaps::beyond(const BarrierLaw& law, const std::vector<Vec3>& x) {
   Displacements of_planes;
   of_planes.box.add(Vec3(law.moved - moved_at_start_));
   of_planes.longest = (law.moved - moved_at_start_).norm();
-  double most = 0;
+  double most = 0;  // above what pairs were searched for
   forEachMeeting(law, [&](int a, int b) {
-    if (are_boxes_known_ && b >= 0 && isOfRigid(a, b)) return;
+    const bool is_rigid = b >= 0 && isOfRigid(a, b);
+    if (are_boxes_known_ && is_rigid && canWatchFarther()) return;
     const double motion = mostApart(moved_[std::size_t(a)], b < 0 ? of_planes : moved_[std::size_t(b)]);
     const bool is_above = are_boxes_known_ && b < 0 && rigid_[std::size_t(a)] && motion > 2 * way_ && isAbovePlanes(law, a, x);
-    if (!is_above) most = std::max(most, motion);
+    if (!is_above) most = std::max(most, motion - (is_rigid ? lookedFor(a, b) : 2 * way_));
   });
-  return std::max(0.0, most - 2 * way_);
+  return most;
 }
 
 /// The vertices of a body that were too far from a plane for a condition keep the gap as well: the way between is free then.

@@ -2,7 +2,6 @@
 #include "components/contact/kept_rows.h"
 
 #include <Eigen/Geometry>
-#include <cmath>
 
 namespace stroma::contact {
 
@@ -40,8 +39,7 @@ void addRows(const KeptGaps& gaps, const BarrierLaw& law, const std::vector<Vec3
   rows.begin(LagrangianRows::Kind::given, 0);  // a condensed body then knows where all of them are
   for (const int v : gaps.watchedVertices())
     if (s.moves(v)) rows.add(s.rows[std::size_t(v)], Vec3::Zero());
-  const bool grazes = gaps.unproved() > 0 && std::isfinite(gaps.mostGrazed(law, x));
-  const double unproved = grazes ? reported / 2 : gaps.unproved() > 0 ? gaps.unproved() + reported : 0;
+  const double unproved = gaps.unproved() > 0 ? gaps.unproved() + reported : 0;
   rows.begin(LagrangianRows::Kind::push, -unproved);  // no force helps where it is below zero; its nodes are for messages
   if (const Candidate* pair = gaps.notFree())
     for (const int v : pair->v)

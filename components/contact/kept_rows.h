@@ -6,7 +6,7 @@
 namespace stroma::contact {
 
 /// The conditions of gaps at x, where they were last evaluated: one `push` per gap, two `rub` with `friction`, and at the end one that no
-/// force can satisfy if the step is not proved: -(unproved + reported) [m], or -reported / 2 if rigid bodies only graze on their way.
+/// force can satisfy if the step is not proved: -(unproved + reported) [m].
 void addRows(const KeptGaps& gaps, const BarrierLaw& law, const std::vector<Vec3>& x, double friction, double reported,
              LagrangianRows& rows);
 

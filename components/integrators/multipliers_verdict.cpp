@@ -110,8 +110,7 @@ void Multipliers::judge(double step, double size, double rounding, StepReport& r
       return refuse(fmt::format("the friction of {} is not Coulomb's: a slide is off by {:.3g} m{}", name, farthest.off, nodes));
     const auto entries = rows_.entriesOf(rows_.rows()[farthest.row]);
     const bool is_of_way = std::all_of(entries.begin(), entries.end(), [](const auto& entry) { return entry.gradient.isZero(0); });
-    if (is_of_way && is_kept)
-      return refuse(fmt::format("a step of {} touches something on its way, and at its end nothing intersects{}", name, nodes));
+    is_kept = is_kept && !is_of_way;
     if (is_of_way)
       return refuse(fmt::format("the Lagrangian constraint {} does not hold and no force mends it: the step goes farther than what "
                                 "it can prove to be free{}. A smaller dt helps, or larger gaps",

@@ -185,6 +185,65 @@ TEST(Heaps, ABoxThatTurnsGoesAroundWhatItsStraightWayWouldCut) {
   EXPECT_NEAR(frame.v()[1].z(), 100, 1e-6) << "nothing is in its way";
 }
 
+std::string cubeOf(int cells, const std::string& name, const std::string& place, double speed, const std::string& more = "") {
+  return fmt::format("<Node name=\"{}\"><MechanicalObject name=\"frame\" template=\"Rigid3\" position=\"{} 0 0 0 1\" "
+                     "velocity=\"{} 0 0 0 0 0\"/><UniformMass totalMass=\"1\" inertia=\"1.7e-3 1.7e-3 1.7e-3\"/>{}"
+                     "<Node name=\"skin\">{}<MechanicalObject name=\"dofs\"/><RigidMapping/></Node></Node>",
+                     name, place, speed, more, boxOf(Vec3::Constant(-0.05), Vec3::Constant(0.05), {cells, cells, cells}).mesh());
+}
+
+/// Of two cubes whose faces across x have a corner of the other nearest: the separation along the normal of such a face [m].
+double gapBetween(const Simulation& simulation, const std::string& left, const std::string& right) {
+  const auto skinOf = [&](const std::string& name) {
+    std::vector<Vec3> points;
+    for (const State* state : simulation.states())
+      if (state->path() == "/" + name + "/skin/dofs")
+        for (Index i = 0; i < state->size(); ++i) points.push_back(state->x()[i]);
+    return points;
+  };
+  const std::vector<Vec3> a = skinOf(left), b = skinOf(right);
+  double gap = -1e300;
+  for (const std::vector<Vec3>* cube : {&a, &b}) {
+    const std::size_t cells = std::size_t(std::lround(std::cbrt(double(cube->size())))) - 1;
+    const Vec3 across = (cube->at(cells) - cube->at(0)).normalized();
+    double most = -1e300, least = 1e300;
+    for (const Vec3& p : a) most = std::max(most, across.dot(p));
+    for (const Vec3& p : b) least = std::min(least, across.dot(p));
+    gap = std::max(gap, least - most);
+  }
+  return gap;
+}
+
+/// A force takes a cube in one step through 85 mm, where no pair was near.
+TEST(Heaps, WhatAForceTakesFartherThanPairsWereSearchedEndsTheRun) {
+  const std::string force =
+      "<LinearForceField points=\"0\" keyTimes=\"0 0.0499 0.05 0.06 0.0601 1\" forces=\"0 0 0 0 0 0  0 0 0 0 0 0  -1100 0 0 0 0 0  "
+      "-1100 0 0 0 0 0  0 0 0 0 0 0  0 0 0 0 0 0\"/>";
+  Simulation simulation = simulationFromText(contactScene(
+      cubeOf(4, "b0", "0 0 0", 0) + cubeOf(4, "b1", "0.105 0.01 0.01", 2, force) +
+          "<ConstraintContact mstate=\"@b0/skin/dofs\" other=\"@b1/skin/dofs\" contactDistance=\"2e-3\" selfContact=\"0\"/>",
+      1e-2, Vec3::Zero(), one_solve));
+  for (int step = 0; step < 4; ++step) expectCleanStep(simulation, step, false);
+  const StepReport report = simulation.step();
+  EXPECT_FALSE(report.constraints_converged) << "gap " << gapBetween(simulation, "b0", "b1");
+  EXPECT_NE(report.constraint_reason.find("farther than what it can prove"), std::string::npos) << report.constraint_reason;
+}
+
+/// The first hits the second, which then comes to the third in the same step.
+TEST(Heaps, WhatIsPushedOnWithinAStepKeepsTheGap) {
+  for (const double speed : {4.45, 4.6, 4.8}) {
+    Simulation simulation = simulationFromText(contactScene(
+        cubeOf(3, "b0", "0 0 0", 0) + cubeOf(1, "b1", "-0.11 0 0", speed) + cubeOf(3, "b2", "0.12 0.01 0.01", 0) +
+            "<ConstraintContact mstate=\"@b0/skin/dofs\" other=\"@b1/skin/dofs @b2/skin/dofs\" contactDistance=\"2e-3\" "
+            "selfContact=\"0\"/>",
+        1e-2, Vec3::Zero(), one_solve));
+    const StepReport report = simulation.step();
+    EXPECT_TRUE(report.constraints_converged) << "speed " << speed << ": " << report.constraint_reason;
+    EXPECT_GT(gapBetween(simulation, "b0", "b2"), 2e-3 - 2.1e-5) << "speed " << speed;
+    EXPECT_GT(gapBetween(simulation, "b1", "b0"), 2e-3 - 2.1e-5) << "speed " << speed;
+  }
+}
+
 TEST(Heaps, HaveTheSameBitsOnTwoThreadsAfterARestartAndAReset) { expectSameBits(heap(8, 5e-3, newton), 25, 45); }
 TEST(Heaps, ByOneSolveOfEachStepHaveTheSameBits) { expectSameBits(heap(12, 1e-2, one_solve), 12, 24); }
 
