@@ -47,6 +47,7 @@ class CollisionModel : public Component, public DrawnSolids {
   State& state() const { return *state_; }
   /// Its state moves.
   bool isMoved() const;
+  bool isMoving() const { return moving_; }  ///< it may be placed elsewhere, also by a program
   bool isSimulated() const { return simulated_; }
   /// Whether the two may collide at all, wherever they are.
   static bool mayMeet(const CollisionModel& a, const CollisionModel& b);

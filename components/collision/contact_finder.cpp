@@ -48,7 +48,7 @@ Index ContactFinder::surfaceOf(const CollisionModel& model) {
     if (surfaces_[i].model == &model) return Index(i);
   surfaces_.emplace_back();
   Surface& added = surfaces_.back();
-  added.model = &model, added.is_moved = model.isMoved();
+  added.model = &model, added.is_moved = model.isMoved() || model.isMoving();
   added.boxes.resize(model.parts().size());
   if (method_->hasCones()) added.cones.compile(model, method_->angleCone(), method_->coneFactor());
   return Index(surfaces_.size() - 1);
