@@ -13,8 +13,8 @@ whole command on one thread, medians of their sums. A run is stopped when it has
 first round only those go on that are within 1.3 of the best. All scenes are measured by this rule, whatever their ratio. Newton's
 method with a named solver by products counts with its usual forcing term and with 0.1, whichever is faster. Printed are the ratio to
 the best named, and how far the end positions of nothing named are from those of the most exact of the grid, relative to the largest
-displacement. `within` is how far they may be: ten times the tolerance of the scene, or the largest such distance between two of the
-grid that were measured to the end.
+displacement. `within` is how far they may be, ten times the tolerance of the scene. `grid` is the largest such distance between two of
+the named ones: where it is larger, the scene has several answers, or tells them badly apart.
 
 --out writes a row for each scene, and replaces those of scenes that were there before. --table prints from such a file the rows of
 docs/scale.md. --limit ends with 1 when a ratio is above it, or an answer is farther than `within`."""
@@ -115,18 +115,16 @@ def distance(a, b):
     return far / wide if wide else far
 
 
-def within(scene, ends):
-    """How far apart answers may be; `ends` are those of the named solvers."""
+def within(scene):
+    """How far apart answers may be."""
     told = re.search(r'(?:newtonTolerance|relative_residual_tolerance_threshold)="([^"]*)"', scene.text(""))
-    usual = 1e-5 if "<StaticSolver" in scene.text("") else 1e-8
-    apart = max((distance(a, b) for a in ends for b in ends if a is not b), default=0)
-    return max(10 * (float(told.group(1)) if told else usual), apart)
+    return 10 * (float(told.group(1)) if told else 1e-8)
 
 
 class Result:
     """Of a scene: the median runs of nothing named and of the best named."""
     FIELDS = ("set", "scene", "nodes_and_kind", "user", "system", "page_faults", "best_user", "best_system", "best_page_faults", "best",
-              "ratio", "ratio_of_user_time", "apart", "within", "rounds", "load", "counts", "counts_of_best")
+              "ratio", "ratio_of_user_time", "apart", "within", "apart_in_grid", "rounds", "load", "counts", "counts_of_best")
 
     def __init__(self, scene, runs, ends, load):
         middle = {n: sorted(r, key=lambda run: run.seconds)[(len(r) - 1) // 2] for n, r in runs.items() if r}
@@ -136,14 +134,16 @@ class Result:
                                        for f in (lambda run: run.seconds, lambda run: run.user))
         exact = "SparseLDLSolver" if "SparseLDLSolver" in ends else self.best
         self.apart = distance(ends[""], ends[exact])
-        self.within = within(scene, [end for name, end in ends.items() if name])
+        self.within = within(scene)
+        named = [end for name, end in ends.items() if name]
+        self.grid = max(distance(a, b) for a in named for b in named)
 
     def row(self):
         own, best = self.own, self.other
         return dict(zip(self.FIELDS, (
             self.scene.set, self.scene.name, self.scene.about, f"{own.user:.3f}", f"{own.system:.3f}", own.faults, f"{best.user:.3f}",
             f"{best.system:.3f}", best.faults, self.best, f"{self.ratio:.3f}", f"{self.user_ratio:.3f}", f"{self.apart:.1e}",
-            f"{self.within:.1e}", self.rounds, f"{self.load:.1f}", own.counts(), best.counts())))
+            f"{self.within:.1e}", f"{self.grid:.1e}", self.rounds, f"{self.load:.1f}", own.counts(), best.counts())))
 
 
 def measure(scene, asked, folder):
@@ -230,8 +230,8 @@ def main():
                     out.write(text)
         return 0
     bad = 0
-    print("| scene | set | nothing named: user, system [s] | best named | | ratio | of user time | apart | within |\n" + 9 * "|---" + "|",
-          flush=True)
+    print("| scene | set | nothing named: user, system [s] | best named | | ratio | of user time | apart | within | grid |\n"
+          + 10 * "|---" + "|", flush=True)
     with tempfile.TemporaryDirectory() as folder:
         for scene in scenes:
             found = measure(scene, asked, folder)
@@ -242,7 +242,8 @@ def main():
             bad += found.ratio > asked.limit or found.apart > found.within
             own, best = found.own, found.other
             print(f"| {scene.about} (`{scene.name}`) | {scene.set} | {own.user:.2f}, {own.system:.2f} | {best.user:.2f}, {best.system:.2f} "
-                  f"| {found.best} | {found.ratio:.2f} | {found.user_ratio:.2f} | {found.apart:.0e} | {found.within:.0e} |", flush=True)
+                  f"| {found.best} | {found.ratio:.2f} | {found.user_ratio:.2f} | {found.apart:.0e} | {found.within:.0e} "
+                  f"| {found.grid:.0e} |", flush=True)
             if asked.out:
                 row = found.row()
                 write(asked.out, [r for r in read(asked.out) if (r["set"], r["scene"]) != (row["set"], row["scene"])] + [row])
