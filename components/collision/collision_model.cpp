@@ -117,6 +117,18 @@ std::span<const Vec3> CollisionModel::corners(const Part& part, std::array<Vec3,
   return {out.data(), std::size_t(part.corners)};
 }
 
+Box CollisionModel::boxOf(const Part& part, double grown) const {
+  std::array<Vec3, 3> places;
+  Box box;
+  for (const Vec3& corner : corners(part, places)) box.add(corner);
+  return box.grownBy(part.radius + grown);
+}
+
+void CollisionModel::boxParts(std::vector<Box>& boxes, double grown) const {
+  boxes.resize(parts_.size());
+  for (std::size_t i = 0; i < parts_.size(); ++i) boxes[i] = boxOf(parts_[i], grown);
+}
+
 bool CollisionModel::isInGroup(int number) const { return std::find(groups_.begin(), groups_.end(), number) != groups_.end(); }
 
 bool CollisionModel::mayMeet(const CollisionModel& a, const CollisionModel& b) {

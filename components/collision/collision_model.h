@@ -35,6 +35,9 @@ class CollisionModel : public Component, public DrawnSolids {
   const std::vector<Part>& parts() const { return parts_; }
   /// Writes the current positions of the corners of a part to `out`; returns their number.
   std::span<const Vec3> corners(const Part& part, std::array<Vec3, 3>& out) const;
+  Box boxOf(const Part& part, double grown = 0) const;  ///< of now, with its radius; grown by a distance [m]
+  /// The boxes of all parts, in their order.
+  void boxParts(std::vector<Box>& boxes, double grown = 0) const;
   Vec3 place(Index node) const;          ///< [m], of a node now; of a frame its centre
   std::vector<Triangle> faces() const;   ///< of its mesh: triangles, and quads as two; else the boundary of volume cells
   std::vector<Edge> edges() const;       ///< of its mesh

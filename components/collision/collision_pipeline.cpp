@@ -59,7 +59,10 @@ class CollisionPipeline final : public Observer, public StepGuard, public Contac
     method_ = Method::of(node().root());
     const std::vector<ModelPair> found = modelPairs(node().root(), method_);
     for (const ModelPair& pair : found)
-      if (pair.a != pair.b) pairs_.push_back({pair, boxesOf(*pair.b), {}});
+      if (pair.a != pair.b) {
+        pairs_.push_back({pair, {}, {}});
+        pair.b->boxParts(pairs_.back().boxes);
+      }
     found.empty() ? tellOfStrangers() : tellOfStrangersAmong(found);
     if (method_ && method_->hasCones()) tellOfHollows(found);
     for (Watched& each : pairs_) each.tree.build(each.boxes);
@@ -147,27 +150,16 @@ class CollisionPipeline final : public Observer, public StepGuard, public Contac
     return method_ && (method_->rule != Method::Rule::discrete ||
                        (pair.a->kind() == CollisionModel::Kind::sphere && pair.b->kind() == CollisionModel::Kind::sphere));
   }
-  static Box boxOf(const CollisionModel& model, const Part& part) {
-    std::array<Vec3, 3> places;
-    Box box;
-    for (const Vec3& corner : model.corners(part, places)) box.add(corner);
-    return box.grownBy(part.radius);
-  }
-  static std::vector<Box> boxesOf(const CollisionModel& model) {
-    std::vector<Box> boxes;
-    for (const Part& part : model.parts()) boxes.push_back(boxOf(model, part));
-    return boxes;
-  }
   std::string touch(Watched& watched) const {
     const CollisionModel &a = *watched.models.a, &b = *watched.models.b;
     const double limit = (method_ ? method_->contactDistance() : 0) + a.contactDistance() + b.contactDistance();
-    for (std::size_t i = 0; i < watched.boxes.size(); ++i) watched.boxes[i] = boxOf(b, b.parts()[i]);
+    b.boxParts(watched.boxes);
     watched.tree.refit(watched.boxes);
     double nearest = std::numeric_limits<double>::infinity();
     for (const Part& part : a.parts()) {
       std::array<Vec3, 3> places, others;
       const std::span<const Vec3> mine = a.corners(part, places);
-      watched.tree.forEachMeeting(boxOf(a, part).grownBy(limit), [&](Index i) {
+      watched.tree.forEachMeeting(a.boxOf(part, limit), [&](Index i) {
         const Part& other = b.parts()[std::size_t(i)];
         const double distance = distanceOf(mine, b.corners(other, others)) - part.radius - other.radius;
         nearest = std::min(nearest, distance);

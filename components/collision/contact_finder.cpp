@@ -97,20 +97,10 @@ void ContactFinder::reset() {
   searches_ = 0;
 }
 
-void ContactFinder::fit(Surface& surface) const {
-  for (std::size_t i = 0; i < surface.boxes.size(); ++i) {
-    const Part& part = surface.model->parts()[i];
-    std::array<Vec3, 3> places;
-    Box box;
-    for (const Vec3& corner : surface.model->corners(part, places)) box.add(corner);
-    surface.boxes[i] = box.grownBy(part.radius + surface.model->contactDistance());
-  }
-}
-
 void ContactFinder::fitAll() {
   for (Surface& surface : surfaces_) {
     if (has_trees_ && !surface.is_moved) continue;
-    fit(surface);
+    surface.model->boxParts(surface.boxes, surface.model->contactDistance());
     if (has_trees_)
       surface.tree.refit(surface.boxes);
     else if (surface.order.size() == surface.boxes.size())

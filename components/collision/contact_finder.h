@@ -72,7 +72,6 @@ class ContactFinder {
   };
   using Found = std::map<Key, std::vector<Listed>, Before>;
   Index surfaceOf(const CollisionModel& model);
-  void fit(Surface& surface) const;
   void fitAll();
   bool mayMeet(const Surface& a, Index i, const Surface& b, Index j) const;
   void look(const Pair& pair);

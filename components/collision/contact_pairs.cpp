@@ -155,7 +155,7 @@ std::size_t ContactSearch::surfaceOf(const CollisionModel& model) {
     if (surfaces_[i].model == &model) return i;
   surfaces_.push_back({&model, bodyOf(model), std::vector<Box>(model.parts().size()), {}, {}});
   if (method_->hasCones()) surfaces_.back().cones.compile(model, method_->angleCone(), method_->coneFactor());
-  fit(surfaces_.back());
+  model.boxParts(surfaces_.back().boxes);
   surfaces_.back().tree.build(surfaces_.back().boxes);
   return surfaces_.size() - 1;
 }
@@ -166,16 +166,6 @@ void ContactSearch::compile(const std::vector<ModelPair>& pairs, const Method& m
   for (const ModelPair& pair : pairs) {
     const std::size_t a = surfaceOf(*pair.a);
     pairs_.push_back({a, surfaceOf(*pair.b)});
-  }
-}
-
-void ContactSearch::fit(Surface& surface) const {
-  for (std::size_t i = 0; i < surface.boxes.size(); ++i) {
-    const Part& part = surface.model->parts()[i];
-    std::array<Vec3, 3> places;
-    Box box;
-    for (const Vec3& corner : surface.model->corners(part, places)) box.add(corner);
-    surface.boxes[i] = box.grownBy(part.radius);
   }
 }
 
@@ -285,7 +275,7 @@ void ContactSearch::findRoom(Pair& pair, double in_a_step) const {
 
 void ContactSearch::ready(Surface& surface) const {
   if (std::exchange(surface.is_fit, true)) return;
-  fit(surface);
+  surface.model->boxParts(surface.boxes);
   surface.tree.refit(surface.boxes);
 }
 

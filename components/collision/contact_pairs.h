@@ -72,7 +72,6 @@ class ContactSearch {
   /// Not two neighbours of one state.
   static bool mayMeet(const CollisionModel& a, const Part& p, const CollisionModel& b, const Part& q, double contact);
   void ready(Surface& surface) const;
-  void fit(Surface& surface) const;
   void meet(const Surface& a, const Part& p, const Surface& b, const Part& q, double alarm, double contact,
             std::vector<Contact>& out) const;
 

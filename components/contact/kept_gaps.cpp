@@ -57,12 +57,14 @@ double allowance(const KeptGap& gap, const BarrierLaw& law, const std::vector<Ve
 
 }  // namespace
 
-FreeWay freeWay(const BarrierLaw& law, const Candidate& pair, double start, const FourPoints& places, const FourPoints& ways) {
+FreeWay freeWay(const BarrierLaw& law, const Candidate& pair, double start, const FourPoints& places, const FourPoints& ways,
+                double slack) {
   constexpr double part = 0.02, most = 0.1;
   const double moved = mostAgainst(pair.kind, ways);
+  start -= slack;
   if (start > 0 && moved < certainly_free * start) return {moved, 1};
   const double left = start > 0 ? std::min(most, part * law.range / start) : most;
-  const double touching = pair.radius + (pair.pushes ? law.thickness : 0);
+  const double touching = pair.radius + (pair.pushes ? law.thickness : 0) + slack;
   return {moved, longestStep(pair.kind, places, ways, {.thickness = touching, .left = left})};
 }
 

@@ -38,7 +38,8 @@ struct FreeWay {
   double moved = 0, free = 1;
 };
 /// Starts from `places` at distance `start`; a pair touches at a fiftieth of the gap to keep.
-FreeWay freeWay(const BarrierLaw& law, const Candidate& pair, double start, const FourPoints& places, const FourPoints& ways);
+FreeWay freeWay(const BarrierLaw& law, const Candidate& pair, double start, const FourPoints& places, const FourPoints& ways,
+                double slack = 0);
 
 /// Two points that are kept apart: of a pair, or of a vertex and a plane.
 struct KeptGap {

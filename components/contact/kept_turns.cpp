@@ -3,8 +3,8 @@
 // around. So where the straight way of a pair of two rigid bodies touches, ways are looked at that keep the shapes of both,
 //   p(s) = c + s d + R(s) (p_0 - c),   R(s) about one axis by the part s of the angle,   s from 0 to 1
 // with the middle of the body as c, which then goes straight, or with c on the axis of the screw from start to end. They are followed in
-// straight pieces so short that they leave the arc by at most a fiftieth of the gap to keep. The proof is of all pairs of the two
-// bodies on one such way: where all are free there, the bodies have not met.
+// straight pieces so short that they leave the arc by at most a fiftieth of the gap to keep, and by so much the pieces of a pair stay
+// apart. The proof is of all pairs of the two bodies on one such way: where all are free there, the bodies have not met.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -64,6 +64,9 @@ bool KeptGaps::areFreeTurning(const BarrierLaw& law, int a, int b, const std::ve
   const double wanted = std::max(piecesOf(of_a), piecesOf(of_b));
   if (!(wanted > 1 && wanted <= most_pieces)) return false;
   const int pieces = int(wanted);
+  // how far a straight piece leaves its arc: the sagitta size angle^2 / 8
+  const auto leaves = [&](const RigidMotion& m) { return m.size * std::pow(m.turn.angle() / pieces, 2) / 8; };
+  const double slack = leaves(of_a) + leaves(of_b);
   // no vertex of the two moves farther against one of the other than by d and what both turn
   const double way = (of_a.d - of_b.d).norm() + of_a.size * of_a.turn.angle() + of_b.size * of_b.turn.angle();
   if (!(way <= lookedFor(a, b))) return false;
@@ -81,7 +84,7 @@ bool KeptGaps::areFreeTurning(const BarrierLaw& law, int a, int b, const std::ve
       FourPoints ways = next;
       for (std::size_t k = 0; k < 4; ++k) ways[k] -= places[k];
       const double apart = piece == 0 ? start : leastDistance(pair.kind, places) - pair.radius - (pair.pushes ? law.thickness : 0);
-      if (freeWay(law, pair, apart, places, ways).free < 1) return false;
+      if (freeWay(law, pair, apart, places, ways, slack).free < 1) return false;
       places = next;
     }
     return true;

@@ -113,14 +113,17 @@ bool BodyRows::take(const LagrangianRows& rows, const std::vector<std::size_t>& 
     for (const auto& [at, gradient] : rows.entriesOf(rows.rows()[live[k]]))
       if (!add(at, gradient, row)) return false;
     for (int side = row.bodies; side < 2; ++side) row.at[std::size_t(side)] = row.bodies > 0 ? row.at[0] : first_.front();
-    for (std::size_t side = 0; side < 2; ++side) {
-      const int body = body_of_[std::size_t(row.at[side])];
-      row.y[side].noalias() = inverse_[std::size_t(body)] * row.j[side];
-      if (int(side) < row.bodies) rows_of_[std::size_t(body)].push_back(int(k));
-    }
+    for (std::size_t side = 0; side < std::size_t(row.bodies); ++side)
+      rows_of_[std::size_t(body_of_[std::size_t(row.at[side])])].push_back(int(k));
   }
   touched_ = int(std::ranges::count_if(rows_of_, [](const auto& each) { return !each.empty(); }));
   return true;
+}
+
+void BodyRows::respond() {
+  for (Row& row : rows_)
+    for (std::size_t side = 0; side < 2; ++side)
+      row.y[side].noalias() = inverse_[std::size_t(body_of_[std::size_t(row.at[side])])] * row.j[side];
 }
 
 double BodyRows::couple(const Row& i, const Row& j, double factor) {

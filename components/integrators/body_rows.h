@@ -50,8 +50,10 @@ class BodyRows {
   void load(int number, Rows out) const;
   /// Sets K^-1 from the solutions for all loads. False: bodies are coupled.
   bool takeAnswers(std::span<const Vector> loads_of_all, std::span<const Vector> answers);
-  /// Takes the rows `live`. False: one acts on something else, or on three bodies.
+  /// Takes J of the rows `live`. False: one acts on something else, or on three bodies.
   bool take(const LagrangianRows& rows, const std::vector<std::size_t>& live);
+  /// Sets K^-1 J^T of the rows taken, after takeAnswers().
+  void respond();
   const std::vector<Row>& rows() const { return rows_; }
   int touched() const { return touched_; }  ///< number of bodies with rows
   /// Returns factor J_i . K^-1 J_j^T.

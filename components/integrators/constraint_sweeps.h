@@ -38,6 +38,8 @@ class ConstraintSweeps final : public Component {
   static void tellIdle(const Component& asker, const std::string& why);
 
  private:
+  using Numbers = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 3, 1>;  ///< of the rows of a block
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3, 3>;
   struct Sweep {
     double error = 0;       ///< sum of the changes of conditions
     bool verified = true;   ///< no row changes by more than the tolerance
@@ -56,7 +58,8 @@ class ConstraintSweeps final : public Component {
   double last_error_ = 0;  ///< of the last sweep
   std::string unsettled_, idle_;  ///< the last reason why it has no effect
   Eigen::MatrixXd w_;  ///< with the softness
-  Eigen::VectorXd old_, off_, change_, last_change_, way_;
+  Numbers off_;        ///< g + W l of a block
+  Eigen::VectorXd old_, change_, last_change_, way_;
 };
 
 }  // namespace stroma

@@ -47,7 +47,6 @@ void Multipliers::findLive() {
 
 /// What bodies answer to loads; the step goes on without them where they are coupled. False: a solve gave nothing.
 bool Multipliers::answerBodies(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
-  if (dynamic_cast<WholeMatrix*>(&matrix) || !bodies_.findBodies(matrix)) return true;
   asked_.clear(), answers_.clear();
   for (std::size_t k = 0; k < BodyRows::loads; ++k) {
     if (body_loads_[k].count() != system_->independentRows()) body_loads_[k].resize(system_->independentRows());
@@ -59,15 +58,21 @@ bool Multipliers::answerBodies(LinearSolver& solver, SystemMatrix& matrix, StopT
   return true;
 }
 
-/// Where all rows that may have a force are of free bodies that share them. False: a solve gave nothing.
+/// Where all rows that may have a force are of free bodies that share them; bodies are asked for their motion only then. False: a solve
+/// gave nothing.
 bool Multipliers::takeBodyRows(bool is_first, LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
   const bool was_of_bodies = std::exchange(is_of_bodies_, false);
-  if (is_first) knows_bodies_ = false;
+  if (is_first) knows_bodies_ = asked_bodies_ = false;
   const bool may_be = !carries_ && !isOnce() && rule_.old_share == 0 && uncoupled_.empty() && !yields_.empty();
-  if (may_be && is_first && !answerBodies(solver, matrix, stop, report)) return false;
-  if (may_be && knows_bodies_) {
+  if (may_be && !dynamic_cast<WholeMatrix*>(&matrix) && bodies_.findBodies(matrix)) {
     findLive();
-    is_of_bodies_ = bodies_.take(rows_, live_);
+    is_of_bodies_ = !live_.empty() && bodies_.take(rows_, live_);
+    if (is_of_bodies_ && !std::exchange(asked_bodies_, true) && !answerBodies(solver, matrix, stop, report)) return false;
+    is_of_bodies_ = is_of_bodies_ && knows_bodies_;
+    if (is_of_bodies_)
+      bodies_.respond();
+    else
+      std::swap(live_, coupled_);  // couple() compares with the rows of the previous W
   }
   if (!is_of_bodies_) {
     if (was_of_bodies) is_answered_.clear(), has_new_answers_ = true;

@@ -67,14 +67,15 @@ ConstraintSweeps::Sweep ConstraintSweeps::sweep(const Eigen::VectorXd& g, const 
   for (const Block& each : blocks) {
     const int first = each.first;
     const auto block = w_.block(first, first, each.width, each.width);
-    off_ = g.segment(first, each.width) + w_.middleRows(first, each.width) * l;
-    Eigen::VectorXd change = Eigen::VectorXd::Zero(each.width);
+    off_.noalias() = w_.middleRows(first, each.width) * l;
+    off_ += g.segment(first, each.width);
+    Numbers change = Numbers::Zero(each.width);
     if (block(0, 0) > 0 && each.kind != Block::Kind::equal) {
-      const Eigen::VectorXd before = l.segment(first, each.width);
+      const Numbers before = l.segment(first, each.width);
       pushBlock(each, l);
       change = l.segment(first, each.width) - before;
     } else if (block.diagonal().minCoeff() > 0) {
-      change = -block.partialPivLu().solve(off_);
+      change = -Square(block).partialPivLu().solve(off_);
       l.segment(first, each.width) += change;
     }  // else nothing that moves is in it
     double moved = 0;

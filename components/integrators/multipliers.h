@@ -209,6 +209,7 @@ class Multipliers {
   DirectionOverlaps overlaps_;
   BodyRows bodies_;
   std::array<Vector, BodyRows::loads> body_loads_, body_answers_;
+  bool asked_bodies_ = false;   ///< in this step
   bool knows_bodies_ = false;   ///< bodies_ has the matrix of the step
   bool is_of_bodies_ = false;   ///< all rows of the round act on bodies_, which replace directions and responses
   bool is_without_w_ = false;   ///< W was not computed for them

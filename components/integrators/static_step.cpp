@@ -64,6 +64,10 @@ StepReport StaticStep::solveWithFallback(const StepContext& context) {
 /// The whole step, or what it was divided into; see static_step.h.
 StepReport StaticStep::solveForces(const StepContext& context) {
   constexpr double part_residual = 1e-4;
+  struct Whole {  // whatever ends the step, the next one is whole
+    StaticStep& step;
+    ~Whole() { step.newton.settings.relative_residual = step.settings_.relative_residual, step.problem.setShare(1); }
+  } whole{*this};
   StepReport report, failed;
   double done = 0, part = 1;
   for (int parts = 1;; ++parts) {
