@@ -371,10 +371,10 @@ void Rewriting::dropIdleEngines() {
                                                    "MeshSampler",       "Vertex2Frame",   "ValuesFromPositions",
                                                    "RandomPointDistributionInSurface", "MergeROIs", "SelectLabelROI",
                                                    "SelectConnectedLabelsROI", "JoinPoints", "MapIndices", "GroupFilterYoungModulus",
-                                                   "MeshSplittingEngine", "ProjectiveTransformEngine", "ClusteringEngine"};
+                                                   "MeshSplittingEngine", "ProjectiveTransformEngine", "ClusteringEngine",
+                                                   "GenerateSphere", "MeshTetraStuffing", "SmoothMeshEngine"};
   const auto is_engine = [](const Element& element) {
-    const bool only_computes = isAnyOf(element.role(), {"engine", "mesh engine"}) || known.count(element.written->type);
-    return !element.dropped && (!element.probe || only_computes) && isEngineOfSofa(element.written->type);
+    return !element.dropped && (!element.probe || known.count(element.written->type)) && isEngineOfSofa(element.written->type);
   };
   for (bool changed = true; changed;) {
     std::set<const Element*> asked;
