@@ -87,7 +87,8 @@ bool isAcceptedType(std::string_view type) {
       "BruteForceBroadPhase", "BVHNarrowPhase", "ParallelBruteForceBroadPhase", "ParallelBVHNarrowPhase", "BruteForceDetection",
       "SubCollisionPipeline", "DirectSAP*", "IncrSAP*", "Incremental*", "RayTrace*", "CollisionGroupManager", "CollisionGroup",
       "TreeCollisionGroupManager", "DefaultCollisionGroupManager", "*ConstraintSolver", "*ConstraintCorrection", "*LocalMinDistanceFilter",
-      "CarvingManager", "ContactListener", "UnilateralLagrangianConstraint", "UnilateralInteractionConstraint",  // SOFA fills them from contacts alone
+      "CarvingManager", "ContactListener",
+      "UnilateralLagrangianConstraint", "UnilateralInteractionConstraint",  // SOFA fills them from contacts alone
       "AugmentedLagrangianConstraint", "CylinderCollisionModel", "CylinderModel", "Cylinder", "TetrahedronCollisionModel",
       "TetrahedronModel",
       "TetrahedronSet", "Tetrahedron", "CubeCollisionModel", "CubeModel", "RayCollisionModel", "RayModel", "CollisionMonitor",

@@ -67,8 +67,8 @@ void Rewriting::sayWhyIdle(const Element& element) {
     diagnostics_.note(element.written->where, element.path(),
                       "has no effect because SOFA reads its file into lists that nothing else has: the mesh stays as it is");
   if (type == "CarvingManager" && !element.text("active").empty() && !saysNo(element.text("active")))
-    warn(element.written->where, element, "active", "removes in SOFA what comes near the tool, by parts of surfaces: here nothing is removed",
-         "CarvingRegion of a native scene");
+    warn(element.written->where, element, "active",
+         "in SOFA cells whose surface comes near the tool are removed: here nothing is removed", "CarvingRegion of a native scene");
   if (isAnyOf(type, {"CylinderCollisionModel", "CylinderModel", "Cylinder"}))
     diagnostics_.note(element.written->where, element.path(),
                       "has no effect because none of SOFA's own methods finds contacts of cylinders");
