@@ -35,6 +35,10 @@ Chains chainsOf(const System& system, const ForceField& field) {
   return chains;
 }
 
+/// Of `n` beams with equal masses at n + 1 nodes, over that with shares by length. The modal mass of a uniform beam is M/4 where its
+/// free ends move by 1. Of equal masses it is M (n/4 + e/2)/(n + 1), e the number of free ends.
+double frequencyRatio(double n, double e) { return std::sqrt((n + 1) / (n + 2 * e)); }
+
 /// Whether it is a UniformMass that turns with its frames: in SOFA's dialect it does not.
 bool isUniform(const Mass& mass, const State& state) {
   const Data* turns = mass.data().find("turns");
@@ -52,10 +56,10 @@ void noteEqualMassesOfBeams(const Simulation& simulation, Diagnostics& diagnosti
       if (mass == system->masses().end()) continue;
       const Chains chains = chainsOf(*system, *field);
       if (chains.free_ends == 0) continue;
-      // of a free bar: 15 % with 8 beams, 8 % with 16
-      const double per_chain = 2 * double(chains.beams) / double(chains.ends), percent = std::min(30.0, 120 / per_chain);
+      const double count = double(chains.ends) / 2, percent = 100 * (1 - frequencyRatio(double(chains.beams) / count,
+                                                                                       double(chains.free_ends) / count));
       diagnostics.note(field->where(), field->path(),
-                       fmt::format("{} gives free ends of beams as much mass as nodes between two beams: natural frequencies are up to "
+                       fmt::format("{} gives free ends of beams as much mass as nodes between two beams: natural frequencies are about "
                                    "{:.0f} % too low. AdaptiveBeamForceFieldAndMass has the mass of its beams",
                                    (*mass)->path(), percent));
     }
