@@ -14,6 +14,7 @@
 #include "framework/scene/prefab.h"
 #include "framework/scene/spans.h"
 #include "framework/scene/written_units.h"
+#include "tools/checks/beam_masses.h"
 #include "tools/checks/cells_across.h"
 #include "tools/checks/density_units.h"
 #include "tools/checks/empty_selections.h"
@@ -148,6 +149,7 @@ Simulation& Session::take(const std::string& file, Scene scene) {
   warnOfEmptySelections(simulation->root(), diagnostics);
   warnOfIdleParts(*simulation, diagnostics);
   noteCoarseCells(*simulation, diagnostics);
+  noteEqualMassesOfBeams(*simulation, diagnostics);
   diagnostics = inUnits(diagnostics, unitsOf(simulation->scene()));
   warnOfUnits(simulation->scene(), diagnostics);
   warnOfLaggedForces(*simulation, diagnostics);
