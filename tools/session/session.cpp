@@ -26,6 +26,7 @@
 #include "tools/session/mesh_changes.h"
 #include "tools/session/replay.h"
 #include "tools/session/scene_program.h"
+#include "tools/session/thread_choice.h"
 #include "tools/units/unit_system.h"
 
 namespace stroma {
@@ -153,6 +154,7 @@ Simulation& Session::take(const std::string& file, Scene scene) {
   warnOfUnits(simulation->scene(), diagnostics);
   warnOfLaggedForces(*simulation, diagnostics);
   simulation_ = std::move(simulation);
+  takeThreadsFor(*simulation_);
   return *simulation_;
 }
 
@@ -207,6 +209,7 @@ std::vector<std::string> Session::changeMesh(MeshChange change, const std::strin
 
 StepReport Session::step(StopToken stop) {
   Simulation& running = simulation();
+  takeThreadsFor(running);  // another session may have a number of its own
   mesh_refused_ = false;
   if (program_) {
     program_->beforeStep(running);
