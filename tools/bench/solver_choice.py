@@ -19,6 +19,7 @@ the named ones: where it is larger, the scene has several answers, or tells them
 --out writes a row for each scene, and replaces those of scenes that were there before. --table prints from such a file the rows of
 docs/scale.md. --limit ends with 1 when a ratio is above it, or an answer is farther than `within`."""
 import argparse
+import collections
 import csv
 import json
 import os
@@ -188,16 +189,19 @@ def write(file, rows):
 
 def print_table(rows, limit=1.15):
     """The rows of docs/scale.md."""
+    of = collections.Counter(scene.set for scene in solver_scenes.scenes())
     total, good = 0, 0
-    print(f"| set | scenes | within {limit} | lowest | above |\n|---|---|---|---|---|")
+    print(f"| set | measured | within {limit} | lowest | above |\n|---|---|---|---|---|")
     for name in dict.fromkeys(row["set"] for row in rows):
         own = [row for row in rows if row["set"] == name]
         above = sorted((row for row in own if float(row["ratio"]) > limit), key=lambda row: -float(row["ratio"]))
         total, good = total + len(own), good + len(own) - len(above)
         words = ", ".join(f"`{row['scene']}` {float(row['ratio']):.2f}" for row in above)
-        print(f"| `--set {name}` | {len(own)} | {len(own) - len(above)} | {min(float(row['ratio']) for row in own):.2f} | {words} |")
-    apart = sum(float(row["apart"]) > float(row["within"]) for row in rows)
-    print(f"| all | {total} | {good} | {min(float(row['ratio']) for row in rows):.2f} | answers farther apart than `within`: {apart} |")
+        least = min(float(row["ratio"]) for row in own)
+        print(f"| `{name}` | {len(own)} of {of[name]} | {len(own) - len(above)} | {least:.2f} | {words} |")
+    apart = [f"`{row['scene']}`" for row in rows if float(row["apart"]) > float(row["within"])]
+    print(f"| all | {total} of {of.total()} | {good} | {min(float(row['ratio']) for row in rows):.2f} | {total - good} |\n\n"
+          f"Answers farther apart than ten times the tolerance: {', '.join(apart) or 'none'}.")
 
 
 def main():
