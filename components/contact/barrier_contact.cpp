@@ -25,7 +25,7 @@
 // solves compare forces, they are fixed from its start. A solve is repeated if updated shares would change its forces by more than a
 // hundredth. Every iterate is shortened before anything penetrates, with allowance for round-off. After each step an exact test of all
 // edges against all triangles detects crossings; `crossings` counts such steps. Surfaces that intersect at the start are rejected, or
-// pushed apart by resolveStart (contact_start.h). Integrators with one linear solve are rejected: set newtonIterations. Explicit ones
+// pushed apart by resolveStart (contact_start.h). Implicit integrators use Newton's method, and one linear solve is rejected. Explicit ones
 // subdivide their steps (integrators/explicit_parts.h), with contact_springs.cpp for friction.
 //
 // Surfaces are the boundary of the volume cells of a mesh, or its triangles and quads when it has none; quadratic triangles count as
@@ -40,7 +40,7 @@
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 -9.81">
-//   <EulerImplicitSolver newtonIterations="30"/>
+//   <EulerImplicitSolver/>
 //   <SparseLDLSolver/>
 //   <MeshTopology position="0 0 0  1 0 0  0 1 0  0.3 0.3 0.8" tetrahedra="0 1 2 3"/>
 //   <MechanicalObject/>
@@ -113,7 +113,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   Vec3 ledTo() const { return obstacles_.ledFrom(arrived_, std::min(0.125 * mean_edge_, fastest_ * (to_ - from_))); }
   Vec3 placeAt(double t) const { return obstacles_.pathAt(t) + arrived_ + (t - from_) / (to_ - from_) * (ledTo() - arrived_); }
   void startStep(ConstRows v);
-  bool hasArrived() const { return (goal_ - law_.moved).isZero(0); }
+  bool hasArrived() const { return (goal_ - law_.moved).norm() <= 1e-9 * law_.range; }  // parts of a way add up to it but for round-off
   bool isLed() const { return is_behind_ || arrived_ != obstacles_.offset(); }
   bool obstaclesGoOn() const { return !hasArrived() && obstacle_rounds_ < (isLed() ? 12 : 1000); }
   double leastMargin() const { return 0.5 * law_.range; }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Base of integrators with implicit steps, whose bodies may sleep.
 #pragma once
+#include <fmt/format.h>
+
 #include "components/integrators/implicit_step.h"
 #include "components/integrators/sleep.h"
 
@@ -14,7 +16,7 @@ namespace stroma {
 class ImplicitIntegrator : public Integrator, public AsksRightSides, public HeedsStepLimits {
  public:
   bool heedsStepLimits() const override { return implicit_.iterates(); }
-  std::string howToHeedStepLimits() const override { return "newtonIterations=\"30\""; }
+  std::string howToHeedStepLimits() const override { return fmt::format("newtonIterations=\"{}\"", ImplicitStep::enough_with_limits); }
   /// Sleep comes first, because it knows whether the step was skipped. Nothing was solved in that case, and the energies,
   /// tangent and constraint forces that the second call would store belong to an older step.
   void stepTaken(const StepContext& context) override {

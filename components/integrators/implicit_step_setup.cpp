@@ -38,10 +38,11 @@ void ImplicitStep::declareNewton(DataTable& table) {
   table.add("newtonIterations", newton_settings.iterations)
       .recompiled()
       .help(
-          "1: one linear solve per step, as SOFA; more: the step's equations are solved by Newton's method; 0: one linear solve, "
-          "and two for a rule of second order where a force field's stiffness is an approximation (the rotated methods with "
-          "tangent=\"warped\"), is damped or, where the rule damps nothing, changes in the step; three where forces "
-          "turn rigid bodies: with one the rule may gain energy until it explodes, and is of first order unless K only changes")
+          "1: one linear solve per step, as SOFA; more: the step's equations are solved by Newton's method; 0: up to 30 iterations of "
+          "Newton's method with BarrierContact; without it one linear solve, and two for a rule of second order where a force "
+          "field's stiffness is an approximation (the rotated methods with tangent=\"warped\"), is damped or, where the rule damps "
+          "nothing, changes in the step; three where forces turn rigid bodies: with one the rule may gain energy until it explodes, "
+          "and is of first order unless K only changes")
       .unit("-")
       .min(0);
   table.add("newtonTolerance", newton_settings.relative_residual)
@@ -87,6 +88,10 @@ static std::string changesIn(const System& system) {
 
 void ImplicitStep::chooseSolves(bool keeps_energy) {
   NewtonSettings& settings = newton_.settings;
+  limiter_.clear();
+  if (settings.iterations == needed_solves && !only_linear)
+    for (const ForceField* field : system_->forceFields())  // one linear solve does not ask them
+      if (dynamic_cast<const StepLimiter*>(field)) settings.iterations = enough_with_limits, limiter_ = field->path();
   const bool turns = bodies_.count() > 0 || !system_->mappingChain().isLinear();
   approximation_ = second_order ? approximationIn(*system_, rayleigh_stiffness, turns) : std::string();
   keeps_order_ = approximation_.empty();

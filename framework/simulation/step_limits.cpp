@@ -117,11 +117,14 @@ std::string overlapIn(System& system) {
 }
 
 void placeStart(System& system) {
-  for (ForceField* field : system.forceFields())
-    if (auto* places = dynamic_cast<PlacesStart*>(field)) {
+  const auto place = [&system](auto* actor) {
+    if (auto* places = dynamic_cast<PlacesStart*>(actor)) {
       places->placeStart(system.x, system.independentRows(), [&](Rows ways) { system.constraints().project(ways); });
       system.mappingChain().positions(system.x);
     }
+  };
+  std::ranges::for_each(system.forceFields(), place);
+  std::ranges::for_each(system.actors().lagrangian_constraints, place);
 }
 
 }  // namespace stroma
