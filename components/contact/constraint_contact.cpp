@@ -50,7 +50,7 @@
 #include "components/contact/contact_start.h"
 #include "components/contact/kept_forces.h"
 #include "components/contact/kept_rows.h"
-#include "components/contact/kept_ways.h"
+#include "components/contact/motion_bounds.h"
 #include "framework/mechanics/lagrangian_constraint.h"
 #include "framework/mechanics/mapping.h"
 #include "framework/mechanics/open_choices.h"
@@ -67,8 +67,8 @@ namespace {
 
 using namespace contact;
 
-class ConstraintContact final : public Component, public LagrangianConstraint, public SharesForces, public ChangesConditions,
-                                public HearsSteps, public PlacesStart, public DrawnObstacles, public OpenChoices {
+class ConstraintContact final : public Component, public LagrangianConstraint, public GuessesForces, public ChangesConditions,
+                                public StepListener, public CorrectsStart, public DrawnObstacles, public OpenChoices {
  public:
   std::string roleText() const override { return "contact"; }
   void declare(DataTable& table) override;
@@ -82,7 +82,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void constrainedStepBegins(ConstRows x, double t_end) override;
   void addConditions(ConstRows x, ConstRows x_start, LagrangianRows& rows) const override;
   void takeForces(std::span<const double> forces) override;
-  void expectForces(std::span<double> forces, std::span<double> yields) const override {
+  void guessForces(std::span<double> forces, std::span<double> yields) const override {
     kept_forces_.expect(gaps_, law_.surfaces, x_, rowsOfEach(), forces, yields);
   }
   /// Where conditions between rigid bodies do not come to hold their directions stay; where they do not then either, they are let go.
@@ -133,7 +133,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   mutable std::vector<Vec3> x_;    ///< where conditions were last looked at
   mutable KeptGaps gaps_;
   KeptForces kept_forces_;
-  KeptWays ways_;
+  MotionBounds ways_;
   Vec3 moved_at_start_ = Vec3::Zero();
   Vec3 led_ = Vec3::Zero(), led_next_ = Vec3::Zero();  ///< of the offset, what obstacles have come; at the end of the step
   std::string last_warning_;   ///< of the start
@@ -271,7 +271,7 @@ void ConstraintContact::constrainedStepBegins(ConstRows x, double t_end) {
   } catch (const ComponentError& error) {  // out of a step: nobody adds the place in the file
     throw ComponentError(where().text() + ": " + error.what(), error.expected, error.suggestion);
   }
-  led_next_ = obstacles_.ledFrom(led_, KeptWays::of_edge * KeptWays::lengthOf(law_));
+  led_next_ = obstacles_.ledFrom(led_, MotionBounds::of_edge * MotionBounds::lengthOf(law_));
   const Vec3 goal = obstacles_.pathAt(t_end) + led_next_, way = goal - moved_at_start_;
   law_.moved = moved_at_start_;
   law_.surfaces.gather(x, law_.moved, x_);

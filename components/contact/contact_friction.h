@@ -70,7 +70,7 @@ class Friction {
     constexpr double tiny = 1e-3;  // of e: the first try begins so as well
     slip = (again && lines_ > 1) || wanted_slip_ < tiny * e ? std::max(wanted_slip_, e) : wanted_slip_;
   }
-  bool isEased() const { return acts() && slip > wanted_slip_; }
+  bool isRelaxed() const { return acts() && slip > wanted_slip_; }
   void sharpen(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
   /// Updates them with the forces and shares at the end x of a solve. Returns the relative change of the forces.
   double renew(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved, bool was_held,

@@ -55,9 +55,9 @@ namespace {
 
 class EulerImplicitSolver final : public ImplicitIntegrator, public FindsMultipliers {
  public:
-  bool heedsStepLimits() const override { return implicit_.iterates() && !first_order_; }
-  std::string howToHeedStepLimits() const override {
-    return first_order_ ? "firstOrder=\"false\"" : ImplicitIntegrator::howToHeedStepLimits();
+  bool respectsStepLimits() const override { return implicit_.iterates() && !first_order_; }
+  std::string howToRespectStepLimits() const override {
+    return first_order_ ? "firstOrder=\"false\"" : ImplicitIntegrator::howToRespectStepLimits();
   }
   void declare(DataTable& table) override;
   void init() override;

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "components/integrators/lent_energy.h"
+#include "components/integrators/solve_potential.h"
 
 namespace stroma {
 // ---- the step ----
@@ -324,7 +324,7 @@ void ImplicitStep::residual(Rows out) {
 /// energies only.
 double ImplicitStep::energy() {
   System& s = *system_;
-  double sum = scheme_.weight / scheme_.displacement * (s.potentialEnergy(s.x) + (lends_energy_ ? lentEnergy(s) : 0));
+  double sum = scheme_.weight / scheme_.displacement * (s.potentialEnergy(s.x) + (lends_energy_ ? solvePotential(s) : 0));
   if (has_constant_) sum -= dot(constant_, v());
   if (has_rayleigh_mass_ || has_rayleigh_stiffness_) {
     addTurning(false);

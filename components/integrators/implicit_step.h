@@ -110,14 +110,14 @@ class ImplicitStep final : public NonlinearProblem {
   // ---- the equations for Newton's method ----
   void residual(Rows out) override;
   SystemMatrix& tangent() override;
-  void keepToFree(Rows d) const override { stroma::keepToFree(*system_, d); }
+  void projectToFree(Rows d) const override { stroma::projectToFree(*system_, d); }
   bool useDefiniteTangent(bool definite) override { return useDefiniteTangents(*system_, definite); }
-  bool hasUnsureTangent() const override { return turns_ && tangents_ > 0 && !turning_.empty(); }
-  void takeSureTangent() override;
+  bool mayHaveUnstableDirections() const override { return turns_ && tangents_ > 0 && !turning_.empty(); }
+  void excludeUnstableDirections() override;
   double energy() override;
   Rows unknowns() override { return v(); }
   bool guess(Rows d) override;
-  Rows sinceStart() override {
+  Rows changeSinceStart() override {
     takeChange();
     return change_;
   }
@@ -127,17 +127,17 @@ class ImplicitStep final : public NonlinearProblem {
   LightBodies* lightBodies() override { return &light_; }
   double weightOfForces() const override { return scheme_.weight; }
   double longestStep(ConstRows d) override;
-  bool meetsBarriers() const override { return !limits_.empty(); }
-  bool meetsWalls() const override { return meets_walls_; }
-  bool movesOn() override;
-  bool hasWay() override { return carries() || limits_.hasWay(); }
+  bool mayMeetBarriers() const override { return !limits_.empty(); }
+  bool mayMeetPenalties() const override { return meets_walls_; }
+  bool updatesLagged() override;
+  bool hasRemainingMotion() override { return carries() || limits_.hasRemainingMotion(); }
   bool addPush(Rows residual) override;
-  bool goAlong(Rows d, bool wholly) override;
-  bool isOnTheWay() override { return lack_ > 0 || limits_.isOnTheWay(); }
+  bool advanceRemainingMotion(Rows d, bool wholly) override;
+  bool isIntermediate() override { return lack_ > 0 || limits_.isIntermediate(); }
   double displacementPerUnknown() const override { return scheme_.displacement; }
   ConstRows positions() const override { return x(); }
   const Motion* motionOfFrames() const override { return system_->motion().turns() ? &system_->motion() : nullptr; }
-  void takeMeasure() override {
+  void updateNorms() override {
     if (system_->motion().turns()) measure_.take(tangent());
   }
   double sizeOf(ConstRows residual) const override { return measure_.force(residual); }

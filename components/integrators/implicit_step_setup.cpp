@@ -8,7 +8,7 @@
 #include "components/integrators/constraint_sweeps.h"
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/implicit_step.h"
-#include "components/integrators/lent_energy.h"
+#include "components/integrators/solve_potential.h"
 #include "components/integrators/uncoupled_constraint_correction.h"
 #include "components/integrators/usual_forcing.h"
 
@@ -114,7 +114,7 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   has_rayleigh_mass_ = rayleigh_mass != 0;
   for (const Mass* mass : system.masses()) has_rayleigh_mass_ = has_rayleigh_mass_ || mass->rayleigh_mass != 0;
   has_own_stiffness_damping_ = depends_on_time_ = false;
-  bool from_energy = haveEnergyInSolves(system);
+  bool from_energy = havePotentialInSolves(system);
   for (const ForceField* field : system.forceFields()) {
     const ForceTraits traits = field->traits();
     has_own_stiffness_damping_ =
