@@ -233,7 +233,7 @@ void ConstraintContact::checkStart() {
 
 void ConstraintContact::placeStart(Rows x, Index independent, const std::function<void(Rows)>& project) {
   if (!resolve_start_) return;
-  constexpr double beyond = 1.001;  // of the gap that is kept
+  constexpr double beyond = 1.02;  // of the gap that is kept: pushApart() ends within a hundredth of the gap that it is given
   build();
   law_.moved = moved_at_start_;
   std::vector<StartBody> bodies;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Outputs of kept gaps. A node's pressure is its normal force over its part of the surface that faces this force, as with forces from a
-// law; its contact area is that part. A contact slides if its friction is the largest possible one and it has moved by more than the
-// tolerated error in the step.
+// law; its contact area is that part. A contact slides if its friction is the largest possible one and it has moved by more than round-off
+// in the step.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -25,9 +25,9 @@ double gapAt(const KeptGap& gap, const KeptGaps& gaps, const BarrierLaw& law, co
 }
 
 bool slides(const KeptGap& gap, const double* forces, std::size_t each, double mu, const Vec3& slid, double tolerated) {
-  constexpr double all = 0.999;
+  constexpr double all = 0.999, round_off = 1e-3;  // of what is tolerated: contacts that stick are held far better, and any speed counts
   if (each == 1) return true;
-  return std::hypot(forces[1], forces[2]) >= all * mu * forces[0] && (slid - gap.n * gap.n.dot(slid)).norm() > tolerated;
+  return std::hypot(forces[1], forces[2]) >= all * mu * forces[0] && (slid - gap.n * gap.n.dot(slid)).norm() > round_off * tolerated;
 }
 
 }  // namespace

@@ -307,8 +307,9 @@ TEST(Pressures, BelowASphereThatIsKeptAwayAreThoseOfHertz) {
 TEST(Pressures, NodesOfConstraintContactSayWhetherTheySlide) {
   constexpr double g = 9.81, mass = 2;
   const double c = 1 / std::sqrt(1.25), s = 0.5 * c;
-  for (const double mu : {0.505, 0.49}) {
-    SCOPED_TRACE(mu);
+  // steps of 1e-4 s slide by less than the tolerated error of a thousandth of the gap
+  for (const auto& [mu, dt] : {std::pair{0.505, 0.01}, {0.49, 0.01}, {0.49, 1e-4}}) {
+    SCOPED_TRACE(fmt::format("mu {} dt {}", mu, dt));
     const std::vector<double> ticks = evenly(0, 0.1, 2);
     const HexahedralMesh low = brickOf(ticks, ticks, evenly(range, range + 0.1, 2));
     Simulation simulation = simulationFromText(contactScene(
@@ -317,19 +318,20 @@ TEST(Pressures, NodesOfConstraintContactSayWhetherTheySlide) {
                         "poissonRatio=\"0\"/><ConstraintContact name=\"contact\" contactDistance=\"{}\" friction=\"{}\" "
                         "planes=\"0 0 1 0\"/>",
                         mass, young, range, mu),
-        0.01, g * Vec3(s, 0, -c), "<EulerImplicitSolver rayleighStiffness=\"0.01\"/>"));
-    for (int step = 0; step < 60; ++step) expectCleanStep(simulation, step);
+        dt, g * Vec3(s, 0, -c), "<EulerImplicitSolver rayleighStiffness=\"0.01\"/>"));
+    for (int step = 0; step < (dt < 0.01 ? 100 : 60); ++step) expectCleanStep(simulation, step);
     const std::vector<double> states = outputsOf(simulation, "contactStates"), gaps = outputsOf(simulation, "gaps"),
                               pressures = outputsOf(simulation, "pressures"), areas = outputsOf(simulation, "contactAreas");
     const State& state = *simulation.states().front();
-    double weight = 0;
+    double weight = 0, area = 0;
     for (std::size_t i = 0; i < state.rest_position.size(); ++i) {
       const bool is_below = state.rest_position[i].z() < 1.5 * range;
       EXPECT_EQ(states.at(i), !is_below ? 0 : mu > 0.5 ? 1 : 2) << "node " << i;
       EXPECT_NEAR(gaps.at(i), is_below ? range : 2 * range, 1e-3 * range) << "node " << i;
-      weight += pressures.at(i) * areas.at(i);
+      weight += pressures.at(i) * areas.at(i), area += areas.at(i);
     }
-    EXPECT_NEAR(weight, mass * g * c, 0.01 * mass * g * c);
+    EXPECT_NEAR(area, 0.1 * 0.1, 1e-6) << "the lower face";
+    if (dt == 0.01) EXPECT_NEAR(weight, mass * g * c, 0.01 * mass * g * c);
   }
 }
 
