@@ -172,6 +172,8 @@ def browse(tree, site):
             for width in widths:
                 if widths[1:]:
                     browser.size(width, HEIGHT, touch=width < 600)
+                if width >= 600:  # what is laid out for the width of before is too wide
+                    browser.until(f"document.documentElement.clientWidth <= {width}", "the page to be laid out for its window")
                 wide, window = browser.script("[document.documentElement.scrollWidth, window.innerWidth]")
                 if wide > window:
                     found.append(f"{page} is {wide} pixels wide in a window of {window}")
