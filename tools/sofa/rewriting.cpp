@@ -73,6 +73,8 @@ void Rewriting::run() {
   chooseSolvers();
   dropUnusedSolvers();
   dropIdleEngines();
+  dropUnequalDifferences();
+  findNodesOfRegions();
   dropUnusedLoaders();
   dropIdleWatch();
   tree_->forEach([this](Element& element) { rewriteLinks(element); });
