@@ -548,13 +548,8 @@ def lists_of_quads_of_a_region():
 
 
 @case
-def engines_with_too_little():
-    """DifferenceEngine of lists of other lengths has no output; IndexValueMapper without a value maps zeros."""
-    difference = '<DifferenceEngine name="d" template="Vec3" input="1 2 3 4 5 6" substractor="1 1 1"/>'
-    body = '<MechanicalObject name="dofs" position="1 0 0" velocity="@d.output"/><UniformMass totalMass="1"/>'
-    run = Run(root(difference + EXACT + body), 10)
-    falls(run)
-    run.says("/d.substractor: has 3 numbers and input 6: SOFA has no output then")
+def a_mapper_without_a_value():
+    """IndexValueMapper then maps zeros."""
     mapper = '<IndexValueMapper name="m" indices="1" defaultValue="500"/>'
     springs = '<RestShapeSpringsForceField points="0 1" stiffness="@m.outputValues"/>'
     run = Run(root(mapper + EXACT + BODY + springs), 10)

@@ -73,7 +73,6 @@ void Rewriting::run() {
   chooseSolvers();
   dropUnusedSolvers();
   dropIdleEngines();
-  dropUnequalDifferences();
   findNodesOfRegions();
   dropUnusedLoaders();
   dropIdleWatch();

@@ -41,7 +41,6 @@ class Rewriting {
   void meanJoint(Element& joint);   // rewritten_shapes.cpp
   void findNodesOfRegions();        // rewritten_shapes.cpp
   void emptyRegion(Element& region);
-  void dropUnequalDifferences();
   void splitPlasticity(Element& field);
   void divideSteps();
   void chooseSolvers();

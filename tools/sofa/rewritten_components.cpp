@@ -53,7 +53,7 @@ void Rewriting::applyMeaning(Element& element) {
     setDefault(element, "applyRestPosition", "false");
   if (element.role() == "mapping") holdArms(element);
   if (isAnyOf(element.written->type, {"RigidMapping", "RigidRigidMapping"})) meanCarried(element);
-  if (element.is("IdentityMapping")) setDefault(element, "resizes", "true");
+  if (isAnyOf(element.written->type, {"IdentityMapping", "SubsetMapping"})) setDefault(element, "resizes", "true");
   if (element.is("BarycentricMapping")) warnOfFrames(element), setQuirk(element, "centre-cells", "foundBy", "centres");
   if (element.is("CollisionResponse")) takeFriction(element);
   if (role == "engine" || role == "mesh engine") warnOfChance(element);

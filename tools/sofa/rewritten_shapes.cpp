@@ -164,18 +164,4 @@ void Rewriting::emptyRegion(Element& region) {
        "position=\"@state.rest_position\"");
 }
 
-/// SOFA compares the numbers of values, and leaves the output empty where they differ.
-void Rewriting::dropUnequalDifferences() {
-  tree_->forEach([this](Element& engine) {
-    if (!engine.is("DifferenceEngine") || !engine.writes("input") || !engine.writes("substractor")) return;
-    const std::string in = engine.text("input"), less = engine.text("substractor");
-    const std::size_t values = writtenNumbers(in).size(), taken = writtenNumbers(less).size();
-    if (in.starts_with("@") || less.starts_with("@") || values == taken) return;
-    engine.dropped = true;
-    warn(engine.written->where, engine, "substractor",
-         "has " + std::to_string(taken) + " numbers and input " + std::to_string(values) +
-             ": SOFA has no output then, and neither has this scene");
-  });
-}
-
 }  // namespace stroma::sofa
