@@ -21,6 +21,9 @@
 // nonlinear, and BarrierContact does not accept surfaces on such frames, because their distance from the straight path of a
 // step has no bound.
 //
+// With inGrid the cells of a RegularGridTopology or SparseGridTopology are where the grid itself lies, as in SOFA, also where the body
+// starts elsewhere: a state that is translated takes with it the points that were placed in its grid.
+//
 // Points without forces are only updated after steps in which they are read, and cost nothing otherwise.
 //
 // Source: the attributes are SOFA's, and so are embedded frames; forces and torques pass here by the exact Jacobian.
@@ -70,6 +73,7 @@ class BarycentricMapping final : public WeightedMapping {
     table.addLink("output_topology", output_topology_).help("SOFA's; without effect: the points are those of output");
     table.addChoice("foundBy", found_by_, {"nearest", "centres"})
         .help("which cell a point outside of all belongs to: the nearest, or the one with the nearest centre, as in SOFA");
+    table.add("inGrid", in_grid_).help("find the cells of a grid where the grid lies, as SOFA does, wherever the body starts");
     table.add("useRestPosition", from_rest_).help("find the cells at rest instead of at the start");
   }
 
@@ -83,7 +87,10 @@ class BarycentricMapping final : public WeightedMapping {
     if (!topology)
       throw ComponentError(fmt::format("{} has no mesh", input().path()), "a topology, or input_topology=\"@path\"");
     double size = 0;
-    const std::vector<Vec3>& body = from_rest_ ? input().rest_position : input().position;
+    const std::vector<Vec3>& grid = topology->mesh().position;
+    const bool by_grid = in_grid_ && grid.size() == input().position.size() &&
+                         (topology->type() == "RegularGridTopology" || topology->type() == "SparseGridTopology");
+    const std::vector<Vec3>& body = by_grid ? grid : from_rest_ ? input().rest_position : input().position;
     const std::vector<Vec3> points = nodePlaces(output(), from_rest_ ? output().rest_position : output().position);
     const bool by_centres = found_by_ == FoundBy::centres && !output().hasFrames() && findsByCentres(*topology);
     const std::vector<EmbeddedPoint> found =
@@ -198,7 +205,7 @@ class BarycentricMapping final : public WeightedMapping {
   }
 
   Link<Topology> input_topology_{"topology"}, output_topology_{"topology"};
-  bool from_rest_ = false;
+  bool from_rest_ = false, in_grid_ = false;
   enum class FoundBy : int { nearest, centres } found_by_ = FoundBy::nearest;
   CellTurns turns_;
 };
