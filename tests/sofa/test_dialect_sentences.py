@@ -319,12 +319,21 @@ def rotations_about_three_axes():
 
 @case
 def points_in_a_grid_that_a_state_moves():
-    """SOFA finds the cell, and the place in it, in the grid as it is written: points that were put there go along with the state."""
-    state = '<MechanicalObject name="dofs" translation="5 0 0" scale="2"/><UniformMass totalMass="8"/>'
-    child = '<Node name="c"><MechanicalObject name="c" position="0.5 0.25 0.75  0 1 0"/><BarycentricMapping/></Node>'
-    scene = node(EXACT + '<RegularGridTopology n="2 2 2" min="0 0 0" max="1 1 1"/>' + state + child)
-    agree(Run(scene, 1).x("c.c"), [[6, 0.5, 1.5], [5, 2, 0]])
-    differ(Run(scene, 1, args=["--without-quirk", "centre-cells"]).x("c.c"), [[6, 0.5, 1.5], [5, 2, 0]], 1)
+    """SOFA finds the cell, and the place in it, in the grid. A state takes the origin of a regular grid with it, and not its spacing; its own
+    positions, and a sparse grid, are no matter."""
+    child = '<Node name="c"><MechanicalObject name="c" position="{}"/><BarycentricMapping/></Node>'
+    for state, points, found in (('translation="5 0 0"', "5.5 0.25 0.75  5 1 0", [[5.5, 0.25, 0.75], [5, 1, 0]]),
+                                 ('translation="5 0 0" scale="2"', "5.5 0.25 0.75  5 1 0", [[6, 0.5, 1.5], [5, 2, 0]]),
+                                 ('rotation="0 0 90" translation="3 0 0"', "3.25 0.5 0", [[2.5, 0.25, 0]]),
+                                 (f'position="{numbers_of(CUBE + [5, 0, 0])}"', "0.5 0.25 0.75", [[5.5, 0.25, 0.75]])):
+        scene = node(EXACT + f'<RegularGridTopology n="2 2 2" min="0 0 0" max="1 1 1"/><MechanicalObject name="dofs" {state}/><UniformMass '
+                     f'totalMass="8"/>{child.format(points)}')
+        agree(Run(scene, 1).x("c.c"), found)
+    differ(Run(scene, 1, args=["--without-quirk", "centre-cells"]).x("c.c"), found, 1)
+    surface = 'position="0 0 0  1 0 0  0 1 0  0 0 1" triangles="0 2 1  0 1 3  1 2 3  2 0 3"'
+    scene = node(EXACT + f'<SparseGridTopology n="2 2 2" min="0 0 0" max="1 1 1" {surface}/><MechanicalObject name="dofs" translation="5 0 0"/>'
+                 f'<UniformMass totalMass="8"/>{child.format("0.5 0.25 0.75")}')
+    agree(Run(scene, 1).x("c.c"), [[5.5, 0.25, 0.75]])
 
 
 def searched(A, b, kind, most, tolerance):

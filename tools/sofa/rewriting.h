@@ -39,6 +39,7 @@ class Rewriting {
   void makeChains();                // rewritten_shapes.cpp
   void meanThinCells(Element& field);
   void meanJoint(Element& joint);   // rewritten_shapes.cpp
+  void meanEmbedding(Element& mapping);  // rewritten_shapes.cpp
   void splitPlasticity(Element& field);
   void divideSteps();
   void chooseSolvers();

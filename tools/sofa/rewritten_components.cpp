@@ -54,11 +54,7 @@ void Rewriting::applyMeaning(Element& element) {
   if (element.role() == "mapping") holdArms(element);
   if (isAnyOf(element.written->type, {"RigidMapping", "RigidRigidMapping"})) meanCarried(element);
   if (element.is("IdentityMapping")) setDefault(element, "resizes", "true");
-  if (element.is("BarycentricMapping")) {
-    warnOfFrames(element);
-    for (const auto& [attribute, word] : {std::pair("foundBy", "centres"), std::pair("inGrid", "true")})
-      setQuirk(element, "centre-cells", attribute, word);
-  }
+  if (element.is("BarycentricMapping")) warnOfFrames(element), meanEmbedding(element);
   if (element.is("CollisionResponse")) takeFriction(element);
   if (role == "engine" || role == "mesh engine") warnOfChance(element);
   if (element.is("ValuesFromPositions")) setDefault(element, "extent", "x");
