@@ -306,8 +306,9 @@ double BarrierContact::longestStep(ConstRows x, const StepPath& way) {
   const Vec3 along = waits_ ? Vec3(way.along * (goal_ - from)) : Vec3(law_.moved - from);
   gather(x, from), paths_.moveTo(x_);
   law_.surfaces.gatherWay(way.dx, along, way_);
-  law_.surfaces.gatherBends(way.bend, bend_), paths_.bendBy(bend_);
-  return law_.longestStep(x_, way_, bend_, along);
+  law_.surfaces.gatherBends(way.bend, bend_);
+  const double step = law_.longestStep(x_, way_, bend_, along);
+  return paths_.allow(x_, way_, bend_, step), step;
 }
 
 bool BarrierContact::updatesLagged(ConstRows x) {

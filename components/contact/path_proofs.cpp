@@ -83,7 +83,7 @@ void PathProofs::compile(const Surfaces& surfaces, bool self_contact) {
   surfaces_ = &surfaces, self_contact_ = self_contact;
   thin_.clear(), forget();
   for (int f = 0; f < int(surfaces.faces.size()); ++f)
-    if (const auto& [a, b, c] = surfaces.faces[std::size_t(f)]; a == b) thin_.push_back(f);
+    if (isThin(f)) thin_.push_back(f);
   if (thin_.empty()) return;
   all_.resize(surfaces.faces.size());
   std::iota(all_.begin(), all_.end(), 0);
@@ -125,34 +125,44 @@ bool PathProofs::mayMeet(int f, int g) const {
 }
 
 void PathProofs::moveTo(const std::vector<Vec3>& x) {
+  if (areNeeded() && last_.size() == x.size()) checkPaths(x, false);
+  startAt(x);
+}
+
+void PathProofs::allow(const std::vector<Vec3>& x, const std::vector<Vec3>& way, const std::vector<double>& bend, double step) {
   if (!areNeeded()) return;
-  if (last_.size() != x.size()) return startAt(x);
+  last_ = x, bend_ = bend;
+  if (bend.empty() || step == 0) return;
+  std::vector<Vec3> end = x;
+  for (std::size_t v = 0; v < end.size(); ++v) end[v] += step * way[v];
+  checkPaths(end, true);
+}
+
+void PathProofs::checkPaths(const std::vector<Vec3>& x, bool bent) {
   fit(thin_, x, thin_boxes_), fit(all_, x, all_boxes_);
   thin_tree_.refit(thin_boxes_), all_tree_.refit(all_boxes_);
   thin_tree_.forEachPair(all_tree_, 0, [&](Index i, Index j) {
     const int f = thin_[std::size_t(i)], g = all_[std::size_t(j)];
-    const bool is_thin = surfaces_->faces[std::size_t(g)][0] == surfaces_->faces[std::size_t(g)][1];
-    if (mayMeet(f, g) && (!is_thin || f < g)) checkFaces(f, g, x);
+    if (mayMeet(f, g) && (!isThin(g) || f < g)) checkFaces(f, g, x, bent);
   });
-  startAt(x);
 }
 
 /// A thin one and any. Vertices and edges belong to one triangle each.
-void PathProofs::checkFaces(int f, int g, const std::vector<Vec3>& x) {
+void PathProofs::checkFaces(int f, int g, const std::vector<Vec3>& x, bool bent) {
   const Surfaces& s = *surfaces_;
   const auto& face = s.faces[std::size_t(g)];
   if (face[0] != face[1])
     for (const int v : s.owned_vertices[std::size_t(f)])
-      if (v >= 0) check(PairKind::point_triangle, {v, face[0], face[1], face[2]}, x);
+      if (v >= 0) check(PairKind::point_triangle, {v, face[0], face[1], face[2]}, x, bent);
   for (const int e : s.owned_edges[std::size_t(f)])
     for (const int other : s.owned_edges[std::size_t(g)])
       if (e >= 0 && other >= 0) {
         const auto &p = s.edges[std::size_t(e)], &q = s.edges[std::size_t(other)];
-        check(PairKind::edge_edge, {p[0], p[1], q[0], q[1]}, x);
+        check(PairKind::edge_edge, {p[0], p[1], q[0], q[1]}, x, bent);
       }
 }
 
-void PathProofs::check(PairKind kind, const std::array<int, 4>& v, const std::vector<Vec3>& x) {
+void PathProofs::check(PairKind kind, const std::array<int, 4>& v, const std::vector<Vec3>& x, bool bent) {
   const std::size_t first_side = kind == PairKind::point_triangle ? 1 : 2;
   FourPoints from, way;
   double slack[2] = {0, 0};
@@ -164,7 +174,8 @@ void PathProofs::check(PairKind kind, const std::array<int, 4>& v, const std::ve
     double& of_side = slack[i < first_side ? 0 : 1];
     if (!bend_.empty()) of_side = std::max(of_side, bend_[at]);
   }
-  if (!isPathFree(kind, from, way, slack[0] + slack[1])) one_ = v[0], other_ = v[3];
+  const double all = slack[0] + slack[1];
+  if (bent == (all > 0) && !isPathFree(kind, from, way, all)) one_ = v[0], other_ = v[3];
 }
 
 void PathProofs::declare(DataTable& table) {

@@ -8,8 +8,10 @@
 //   D(t, u, v) = (1 - u) a0(t) + u a1(t) - (1 - v) b0(t) - v b1(t)   or   p(t) - a(t) - u (b(t) - a(t)) - v (c(t) - a(t))
 // is linear in each of t, u and v, so that its values in a box of these lie within the hull of those at the eight corners. If one
 // direction has a positive product with all eight, nothing meets in the box; otherwise the box is halved. No distance is computed and no
-// root, as the filter of steps does (longest_step.h): the two share no code. Paths that deviate from straight ones by `slack`
-// need products above that.
+// root, as the filter of steps does (longest_step.h): the two share no code.
+//
+// Straight paths are those that the vertices have gone, from one iterate to the next. Of points on frames, which go on arcs, it is what
+// the filter has allowed: a straight line, and a deviation by which the products must be above zero.
 //
 // Source: Snyder 1992 (inclusion by subdivision), Wang and others 2021 (the boxes of eight corners).
 #pragma once
@@ -42,10 +44,10 @@ class PathProofs {
   void startAt(const std::vector<Vec3>& x);
   /// The vertices of bodies are at x, where they have not moved to, and obstacles stay where they are.
   void placeBodies(const std::vector<Vec3>& x);
-  /// Everything has moved straight to x, but for the bends of the last call of bendBy().
+  /// Everything has moved to x, and what does not bend by the last call of allow() straight.
   void moveTo(const std::vector<Vec3>& x);
-  /// How far the next motion may deviate from a straight one, per vertex; empty: not at all.
-  void bendBy(const std::vector<double>& bend) { bend_ = bend; }
+  /// The filter allows the motion from x to x + step way. `bend`: how far a vertex may deviate from its line; empty: none does.
+  void allow(const std::vector<Vec3>& x, const std::vector<Vec3>& way, const std::vector<double>& bend, double step);
   /// A step has ended; `name` describes a vertex.
   void noteStep(const std::function<std::string(int)>& name);
   /// `doubt`, and a sentence on the steps with paths that have not been proved free.
@@ -55,18 +57,24 @@ class PathProofs {
 
  private:
   void forget() { last_.clear(), bend_.clear(), one_ = other_ = -1; }
-  void checkFaces(int f, int g, const std::vector<Vec3>& x);
-  void check(PairKind kind, const std::array<int, 4>& v, const std::vector<Vec3>& x);
+  /// Checks the paths from last_ to x of pairs that bend, or of the others.
+  void checkPaths(const std::vector<Vec3>& x, bool bent);
+  void checkFaces(int f, int g, const std::vector<Vec3>& x, bool bent);
+  void check(PairKind kind, const std::array<int, 4>& v, const std::vector<Vec3>& x, bool bent);
   bool mayMeet(int f, int g) const;
+  bool isThin(int f) const {
+    const auto& face = surfaces_->faces[std::size_t(f)];
+    return face[0] == face[1] && surfaces_->moves(face[0]);
+  }
   void fit(const std::vector<int>& faces, const std::vector<Vec3>& x, std::vector<Box>& boxes) const;
 
   const Surfaces* surfaces_ = nullptr;
   bool self_contact_ = true;
-  std::vector<int> thin_, all_;  ///< faces: edges and points; all
+  std::vector<int> thin_, all_;  ///< faces: edges and points of bodies; all
   BoxTree thin_tree_, all_tree_;
   std::vector<Box> thin_boxes_, all_boxes_;
   std::vector<Vec3> last_;       ///< empty: no path has begun
-  std::vector<double> bend_;
+  std::vector<double> bend_;     ///< of the last call of allow()
   int one_ = -1, other_ = -1;    ///< vertices of a pair of this step whose path is not proved; -1: none
   int steps_ = 0;                ///< with such pairs
   std::string names_;            ///< of the last of them

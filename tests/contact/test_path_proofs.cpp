@@ -76,10 +76,10 @@ TEST(PathProofs, PassagesAreSeen) {
     paths.compile(surfaces, true);
     ASSERT_TRUE(paths.areNeeded());
     const auto doubt = [&](double way, const std::vector<double>& bend) {
-      std::vector<Vec3> x = surfaces.rest;
+      std::vector<Vec3> x = surfaces.rest, all(4, Vec3::Zero());
       paths.startAt(x);
-      paths.bendBy(bend);
-      for (int v = 2; v < 4; ++v) x[std::size_t(v)].z() -= way;
+      for (std::size_t v = 2; v < 4; ++v) x[v].z() -= way, all[v].z() = -2 * way;
+      if (!bend.empty()) paths.allow(surfaces.rest, all, bend, 0.5);
       paths.moveTo(x);
       paths.noteStep([](int vertex) { return std::to_string(vertex); });
       const std::string found = paths.doubt("/contact", {});
@@ -111,6 +111,38 @@ TEST(PathProofs, AreFreeInScenes) {
     for (int i = 0; i < 20; ++i) expectCleanStep(simulation, i, false);
     EXPECT_EQ(findComponent(simulation.root(), "contact")->data().find("unprovedPaths")->print(), "0");
   }
+}
+
+std::string unprovedAfter(const std::string& scene, int steps, bool must_converge = false) {
+  Simulation simulation = simulationFromText(scene);
+  for (int i = 0; i < steps; ++i) expectCleanStep(simulation, i, must_converge);
+  return findComponent(simulation.root(), "contact")->data().find("unprovedPaths")->print();
+}
+const std::string chain =
+    "<Node name=\"b\"><MeshTopology name=\"mesh\" position=\"-0.5 0 0  -0.2 0 0  0.1 0 0  0.4 0 0\" edges=\"0 1 1 2 2 3\"/>"
+    "<MechanicalObject name=\"dofs\"/><UniformMass vertexMass=\"0.01\"/><MeshSpringForceField stiffness=\"100\"/></Node>";
+
+/// A rod on a frame that turns by half a radian in a step hits a chain: paths on arcs, and iterates that go back.
+TEST(PathProofs, AreFreeWhereFramesTurn) {
+  const std::string rod =
+      "<Node name=\"a\"><MechanicalObject name=\"frame\" template=\"Rigid3\" position=\"0 0 0.1 0 0 0 1\" velocity=\"0 0 -2 0 50 0\"/>"
+      "<UniformMass totalMass=\"0.05\"/><Node name=\"rod\"><MeshTopology name=\"mesh\" position=\"0 -0.3 0.06  0 0.3 0.06\" edges=\"0 1\"/>"
+      "<MechanicalObject name=\"dofs\"/><RigidMapping/></Node></Node>";
+  const std::string contact = "<BarrierContact name=\"contact\" mstate=\"@b/dofs\" topology=\"@b/mesh\" other=\"@a/rod/dofs\" "
+                              "stiffness=\"1e5\" contactDistance=\"1e-3\" friction=\"0.3\"/>";
+  EXPECT_EQ(unprovedAfter(contactScene(rod + chain + contact), 40), "0");
+}
+
+/// A ball as an obstacle pushes a chain, within steps of many times the gap; and explicit steps, in parts.
+TEST(PathProofs, AreFreeWithObstaclesAndInParts) {
+  const std::string ball = "<BarrierContact name=\"contact\" mstate=\"@b/dofs\" topology=\"@b/mesh\" stiffness=\"1e5\" "
+                           "contactDistance=\"1e-3\" spheres=\"0 0 0.06 0.05\" keyTimes=\"0 0.2\" movements=\"0 0 0  0 0 -0.5\"/>";
+  EXPECT_EQ(unprovedAfter(contactScene(chain + ball), 20), "0");
+  const std::string thrown =
+      "<Node name=\"a\"><MeshTopology name=\"mesh\" position=\"0 -1 0.01  0 1 0.01\" edges=\"0 1\"/><MechanicalObject name=\"dofs\" "
+      "velocity=\"0 0 -3  0 0 -3\"/><UniformMass vertexMass=\"0.01\"/></Node>";
+  const std::string both = thrown + chain + fmt::format(fmt::runtime(between), "stiffness=\"1e5\" contactDistance=\"1e-3\"");
+  EXPECT_EQ(unprovedAfter(contactScene(both, 1e-3, Vec3::Zero(), "<EulerExplicitSolver/>"), 40), "0");
 }
 
 }  // namespace STROMA_TEST_FILE
