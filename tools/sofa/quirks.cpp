@@ -13,8 +13,9 @@ const std::vector<Quirk>& allQuirks() {  // long because it is a table
   static const std::vector<Quirk> quirks = {
       {"child-gravity", "gravity and dt of a child node do not count",
        {{"Node", "gravity", ""}, {"Node", "dt", ""}}},
-      {"cg-threshold", "conjugate gradients stop at an absolute p.Ap, in the units of the scene",
-       {{"CGLinearSolver", "absoluteThreshold", "1e-05"}}},
+      {"cg-threshold", "conjugate gradients stop at an absolute p.Ap or, preconditioned, r.Br, in the units of the scene",
+       {{"CGLinearSolver", "absoluteThreshold", "1e-05"}, {"PCGLinearSolver", "endsBySquares", "true"},
+        {"NewmarkImplicitSolver", "fromZeroAcceleration", "true"}}},
       {"spring-length", "the constants of springs of a mesh are divided by their length",
        {{"MeshSpringForceField RegularGridSpringForceField", "perLength", "true"}}},
       {"meeting-ends", "springs do nothing where their ends meet, and have no stiffness there",
@@ -55,7 +56,7 @@ const std::vector<Quirk>& allQuirks() {  // long because it is a table
        {{"CentralDifferenceSolver", "firstStep", "whole"}}},
       {"grid-origin", "p0 of a grid is its origin, whatever its box",
        {{"RegularGridTopology", "min", ""}, {"RegularGridTopology", "max", ""}}},
-      {"moved-inertia", "the inertia of nodes that are moved does not reach their neighbours; attached ends share velocities",
+      {"moved-inertia", "the inertia of moved nodes, and of followers in explicit steps, reaches nobody; attached ends share velocities",
        {{"DiagonalMass FEMMass MeshMatrixMass UniformMass", "movedAlone", "true"}, {"AttachProjectiveConstraint", "meet", "halfway"}}},
       {"unheld-matrix", "assembled matrices leave nodes on lines, planes and given ways, and ends attached both ways, free within a step",
        {{"AffineMovementProjectiveConstraint AttachProjectiveConstraint DirectionProjectiveConstraint "
@@ -84,8 +85,8 @@ const std::vector<Quirk>& allQuirks() {  // long because it is a table
        {{"BeamFEMForceField", "axes", "firstEnd"}}},
       {"no-centrifugal", "masses on what follows frames do not press outwards as it turns",
        {{"*", "convectiveInertia", "false"}}},
-      {"centre-cells", "embedded points outside of a mesh, or off a surface, follow the cell with the nearest centre",
-       {{"BarycentricMapping", "foundBy", "centres"}}},
+      {"centre-cells", "embedded points off a mesh follow the cell with the nearest centre; a grid holds them as it is written",
+       {{"BarycentricMapping", "foundBy", "centres"}, {"BarycentricMapping", "cellsOf", ""}}},
       {"held-arms", "the arms of what follows frames are held in the tangent: it lacks how torques change as they turn",
        {{"RigidMapping RigidRigidMapping SkinningMapping BeamLinearMapping TubularMapping ArticulatedSystemMapping "
          "LineSetSkinningMapping DeformableOnRigidFrameMapping",

@@ -41,6 +41,7 @@ class Rewriting {
   void meanJoint(Element& joint);   // rewritten_shapes.cpp
   void findNodesOfRegions();        // rewritten_shapes.cpp
   void emptyRegion(Element& region);
+  void meanEmbedding(Element& mapping);  // rewritten_shapes.cpp
   void splitPlasticity(Element& field);
   void divideSteps();
   void chooseSolvers();
@@ -167,6 +168,7 @@ class Rewriting {
   // ---- rewritten_masses.cpp ----
   void meanMass(Element& element);
   void meanLists(Element& mass);
+  void leaveOutInertia();
   void addToOthers(Element& mass);
   void warnOfWeight(const Element& mass, const Element& state);
   void shareMass(Element& mass, const Element& state);
@@ -175,6 +177,10 @@ class Rewriting {
   bool hasMass(const Place& place) const;
   bool actsIn(const Place& place, const std::set<std::string>& roles) const;
   bool isPulledThroughOthers(const Element& state) const;
+
+  // ---- rewritten_searches.cpp ----
+  void meanSearch(Element& solver);
+  static Element* searchOf(const Element& integrator);
 
   // ---- rewritten_solvers.cpp ----
   void meanSolver(Element& element);
