@@ -183,8 +183,8 @@ const Eigen::VectorXd& CondensedIntegrator::solveTouches(const double* u) {
 
 // ---- other bodies ----
 
-/// Adds a gradient on a row of another body, or of a point mapped onto it, to the condition whose entries start at `first`. `is_live`: it may
-/// have a force. Returns the square of the gradient, or 0 if it moves nothing.
+/// Adds a gradient on a row of another body, or of a point mapped onto it, to the condition whose entries start at `first`.
+/// `is_live`: it may have a force. Returns the square of the gradient, or 0 if it moves nothing.
 double CondensedIntegrator::addOther(Index row, const Vec3& gradient, std::size_t first, bool is_live) {
   CondensedConditions& c = conditions_;
   bool moves = false;
@@ -331,7 +331,7 @@ void CondensedIntegrator::reset() {
   hands_.clear();
   touch_fault_.clear();
   conditions_.taken.clear(), conditions_.swinging = 0;
-  sceneChanged();
+  hands_changed_ = true, others_.reset();
 }
 
 void CondensedIntegrator::serialize(Archive& archive) {

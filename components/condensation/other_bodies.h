@@ -71,6 +71,8 @@ class OtherBodies {
   void placeMapped(System& system);
   /// Ends the step with these forces of constraints, shape (count()) [N]. Returns false if a velocity is not finite.
   bool finish(System& system, const std::vector<Vec3>& forces);
+  /// A run begins again: nothing is known of matrices.
+  void reset();
   /// Writes or reads what the linear solvers of soft bodies remember.
   void serialize(Archive& archive);
   std::string describe() const;
@@ -127,7 +129,7 @@ class OtherBodies {
   MappingChain chain_;
   std::unique_ptr<AssembledMatrix> assembled_;  ///< null: only masses
   long pattern_ = -1;
-  bool inputs_changed_ = true, is_inverted_ = false;
+  bool inputs_changed_ = true, has_inputs_ = false, is_inverted_ = false;
   std::vector<Cluster> clusters_;
   std::vector<std::size_t> cluster_of_;  ///< of k, with its place there
   std::vector<Index> place_in_;

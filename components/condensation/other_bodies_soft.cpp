@@ -30,28 +30,26 @@ class OtherBodies::Matrix final : public SystemMatrix {
   }
   std::string describeRow(Index row) const override { return system_.actors().describeRow(rows_[std::size_t(row)]); }
 
+  void reset() { values_ = 0, matrix_.clear(), is_restored_ = false; }
   /// The number of the values; those themselves are not stored.
   void serialize(Archive& archive) {
     archive.value("values", values_);
     is_restored_ = archive.isReading();
   }
 
-  /// The values of these rows of a matrix of all. True if some have changed. `vary`: they may change in every step.
-  bool take(const BlockMatrix& all, bool vary) {
+  /// The values of these rows of a matrix of all. `vary`: they may change in every step.
+  void take(const BlockMatrix& all, bool vary) {
     bool have_changed = vary;
-    std::size_t at = 0;
+    auto own = matrix_.values().begin();
     for (const Index row : rows_) {
-      const std::size_t begin = 9 * std::size_t(all.rowStart()[std::size_t(row)]), end = 9 * std::size_t(all.rowStart()[std::size_t(row) + 1]);
-      have_changed = have_changed || !std::equal(all.values().begin() + std::ptrdiff_t(begin), all.values().begin() + std::ptrdiff_t(end),
-                                                 matrix_.values().begin() + std::ptrdiff_t(at));
-      std::copy(all.values().begin() + std::ptrdiff_t(begin), all.values().begin() + std::ptrdiff_t(end),
-                matrix_.values().begin() + std::ptrdiff_t(at));
-      at += end - begin;
+      const auto begin = all.values().begin() + 9 * std::ptrdiff_t(all.rowStart()[std::size_t(row)]);
+      const auto end = all.values().begin() + 9 * std::ptrdiff_t(all.rowStart()[std::size_t(row) + 1]);
+      have_changed = have_changed || !std::equal(begin, end, own);
+      own = std::copy(begin, end, own);
     }
     if (is_restored_) have_changed = vary;
     is_restored_ = false;
     values_ += have_changed;
-    return have_changed;
   }
 
  private:
@@ -94,10 +92,20 @@ void OtherBodies::checkSolvers() const {
   for (const auto& [state, solver] : solvers_) {
     if (!solver)
       throw ComponentError(fmt::format("{} is a soft body beside condensed ones, and its integrator has no linear solver", state->path()),
-                           "a linear solver beside the integrator of this body", "<EulerImplicitSolver/> and <SparseLDLSolver/> in its node");
+                           "a linear solver beside the integrator of this body",
+                           "<EulerImplicitSolver/> and <SparseLDLSolver/> in its node");
     if (solver->needsSymmetric() && !isSymmetric())
-      throw ComponentError(fmt::format("{} solves symmetric systems only, and the matrix of {} is not symmetric", solver->path(), state->path()),
-                           "a solver for unsymmetric matrices");
+      throw ComponentError(
+          fmt::format("{} solves symmetric systems only, and the matrix of {} is not symmetric", solver->path(), state->path()),
+          "a solver for unsymmetric matrices");
+  }
+}
+
+void OtherBodies::reset() {
+  is_inverted_ = false;
+  for (Cluster& cluster : clusters_) {
+    cluster.columns.clear();
+    if (cluster.matrix) cluster.matrix->reset();
   }
 }
 
@@ -114,7 +122,8 @@ void OtherBodies::serialize(Archive& archive) {
 }
 
 void OtherBodies::takeValues(Cluster& cluster, const BlockMatrix& matrix) const {
-  if (cluster.matrix->take(matrix, actors_.derivatives_vary)) cluster.columns.clear();
+  cluster.matrix->take(matrix, actors_.derivatives_vary);
+  cluster.columns.clear();  // kept ones would have bits that a run from a checkpoint does not have, as of factors in single precision
 }
 
 bool OtherBodies::solve(Cluster& cluster, const std::vector<ConstRows>& right, const std::vector<Rows>& solutions, StopToken stop) {
@@ -145,27 +154,25 @@ void OtherBodies::load(Index k) {
   loads_[std::size_t(k)] = 1, new_loads_.push_back(k);
 }
 
-/// Three right sides at a time: a column then has the same bits whichever others are needed with it, in this step or before.
 bool OtherBodies::solveColumns() {
   last_loads_.swap(new_loads_), new_loads_.clear();
-  for (const Index k : last_loads_) {
-    Cluster& cluster = clusters_[cluster_of_[std::size_t(k)]];
-    const auto [column, is_new] = cluster.columns.try_emplace(k);
-    if (!is_new) continue;
+  for (Cluster& cluster : clusters_) {
+    if (last_loads_.empty() || !cluster.matrix) continue;
     const Index rows = Index(cluster.rows.size());
-    std::array<Vector, 3> loads;
-    std::vector<ConstRows> right;
+    std::vector<Vector> loads;
     std::vector<Rows> solutions;
-    for (std::size_t c = 0; c < 3; ++c) {
-      loads[c].resize(rows), column->second[c].resize(rows);
-      clear(loads[c]);
-      loads[c][place_in_[std::size_t(k)]] = projectors_[std::size_t(k)].col(Eigen::Index(c));
-      right.push_back(loads[c]), solutions.push_back(column->second[c]);
+    for (const Index k : last_loads_) {
+      if (&clusters_[cluster_of_[std::size_t(k)]] != &cluster) continue;
+      std::array<Vector, 3>& columns = cluster.columns[k];
+      for (std::size_t c = 0; c < 3; ++c) {
+        columns[c].resize(rows), loads.emplace_back(rows);
+        clear(loads.back());
+        loads.back()[place_in_[std::size_t(k)]] = projectors_[std::size_t(k)].col(Eigen::Index(c));
+        solutions.push_back(columns[c]);
+      }
     }
-    if (!solve(cluster, right, solutions, {})) {
-      cluster.columns.clear();
-      return false;
-    }
+    const std::vector<ConstRows> right(loads.begin(), loads.end());
+    if (!right.empty() && !solve(cluster, right, solutions, {})) return false;
   }
   return true;
 }

@@ -14,7 +14,8 @@ namespace stroma {
 
 /// What acts on these bodies alone, for their matrix.
 void OtherBodies::compileFields(System& system) {
-  inputs_changed_ = false, is_inverted_ = false, assembled_.reset(), pattern_ = -1, clusters_.clear();
+  is_inverted_ = false, assembled_.reset(), pattern_ = -1, clusters_.clear();
+  has_inputs_ = system.inputs() != nullptr;
   actors_ = system.actors();
   actors_.force_fields = fields_, actors_.masses = masses_, actors_.mappings.clear();
   const auto isMapped = [&](const State* state) { return state->firstRow() >= system.independentRows(); };
@@ -171,7 +172,8 @@ bool OtherBodies::begin(System& system, const StepContext& context) {
     }
     if (is_static_ && !isHeld(Index(k))) return fault_ = "in statics a body beside the condensed ones has become free", false;
   }
-  if (inputs_changed_) compileFields(system);
+  if (inputs_changed_ && (has_inputs_ || system.inputs())) compileFields(system);
+  inputs_changed_ = false;
   computeForce(system);
   if (!invert(system)) return false;
   std::fill(loads_.begin(), loads_.end(), 0), new_loads_.clear();
@@ -195,7 +197,7 @@ Mat3 OtherBodies::compliance(Index k, Index l) const {
   if (cluster_of_[std::size_t(k)] != cluster_of_[std::size_t(l)]) return Mat3::Zero();
   const Cluster& cluster = clusters_[cluster_of_[std::size_t(k)]];
   if (cluster.matrix) {
-    const bool is_other = !loads_[std::size_t(l)];  // columns of earlier steps do not count: a run from a checkpoint has none
+    const bool is_other = !loads_[std::size_t(l)];
     if (is_other && !loads_[std::size_t(k)]) return Mat3::Zero();
     const auto known = cluster.columns.find(is_other ? k : l);
     Mat3 block;
