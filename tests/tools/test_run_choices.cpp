@@ -67,7 +67,7 @@ TEST_F(RunChoices, AnExactTangentThatWasTakenIsInTheSummaryWithItsForceField) {
   EXPECT_TRUE(says(run.out, "with the approximate tangent of /cells/fem and went on with the exact one")) << run.out;
 }
 
-/// Hundreds of iterations a step, which factors would save.
+/// Hundreds of iterations per step, which factors would save.
 TEST_F(RunChoices, ANamedSolverThatIsFarFromTheBestIsInTheSummary) {
   write("scene.xml", beam("<CGLinearSolver name=\"cg\"/>"));
   const Finished run = stroma("run scene.xml -n 60 --no-record --json=end.json");

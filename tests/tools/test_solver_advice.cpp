@@ -13,7 +13,7 @@
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
 
-/// A bar of five tetrahedra a cell that is held at one end under its weight.
+/// A bar of five tetrahedra per cell that is held at one end under its weight.
 struct Bar {
   std::string nodes = "9 9 9", size = "0.1 0.1 0.1", integrator = "<StaticSolver/>", solver, field = R"(method="svd")";
   double young = 1e5, dt = 1;
@@ -119,7 +119,7 @@ TEST(SolverAdvice, AWarpedTangentThatTakesManyIterations) {
   const Made one = made(named, 1), other = made(free, 1);
   EXPECT_TRUE(other.advice.empty());
   ASSERT_EQ(one.advice.size(), 1u) << one.seconds / other.seconds;
-  EXPECT_NE(one.advice[0].find("iterations a step with tangent=\"warped\" of /cells/fem"), std::string::npos) << one.advice[0];
+  EXPECT_NE(one.advice[0].find("iterations per step with tangent=\"warped\" of /cells/fem"), std::string::npos) << one.advice[0];
   EXPECT_GT(one.seconds, 1.2 * other.seconds) << one.advice[0];
 }
 

@@ -158,7 +158,7 @@ std::string ofTangent(const System& system, const Counts& made) {
     const auto* choice = tangent ? std::get_if<ChoiceRef>(&tangent->pointer()) : nullptr;
     if (!choice || !tangent->isSet() || tangent->print() == "exact" || std::ranges::find(choice->words, "exact") == choice->words.end())
       continue;
-    return fmt::format("Newton's method took {:.0f} iterations a step with tangent=\"{}\" of {}, about {:.0f} times as many as usual: "
+    return fmt::format("Newton's method took {:.0f} iterations per step with tangent=\"{}\" of {}, about {:.0f} times as many as usual: "
                        "without the attribute the exact tangent is taken where that is slow",
                        made.solves / made.steps, tangent->print(), field->path(), made.solves / made.steps / usual);
   }
