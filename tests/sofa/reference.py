@@ -155,6 +155,35 @@ def springs(pairs, rest, k, d=0.0, per_length=True, acts=lambda stretch: True):
     return field
 
 
+def of_springs(lists):
+    """(a, b, k, d, L) of each; the damping is explicit, and its tension is in the tangent."""
+    def field(x, v):
+        f, K = np.zeros_like(x), np.zeros((x.size, x.size))
+        for a, b, k, d, L in lists:
+            e = x[b] - x[a]
+            now = np.linalg.norm(e)
+            n = e / now
+            t = (k * (now - L) + d * (v[b] - v[a]) @ n) / now
+            f[a] += t * e
+            f[b] -= t * e
+            block = (k - t) * np.outer(n, n) + t * np.eye(3)
+            for i, j, sign in ((a, a, -1), (b, b, -1), (a, b, 1), (b, a, 1)):
+                K[3 * i:3 * i + 3, 3 * j:3 * j + 3] += sign * block
+        return f, K
+    return field
+
+
+def of_rest(points, rest, k):
+    """Springs of some nodes to their places at rest."""
+    def field(x, v):
+        f, K = np.zeros_like(x), np.zeros((x.size, x.size))
+        for i in points:
+            f[i] = -k * (x[i] - rest[i])
+            K[3 * i:3 * i + 3, 3 * i:3 * i + 3] = -k * np.eye(3)
+        return f, K
+    return field
+
+
 def stiffness(E, nu):
     lam, mu = E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
     D = np.diag([2 * mu] * 3 + [mu] * 3)

@@ -185,7 +185,7 @@ def what_has_no_effect_here_and_one_in_sofa():
     near = '<LocalMinDistance alarmDistance="0.2" contactDistance="0.1" {}/>'
     for method, model, words in (
             (near.format('useLMDFilters="1"'), "", "useLMDFilters: filters contacts in SOFA"),
-            ('<CCDTightInclusionIntersection continuousCollisionType="Inertia"/>', "", "finds contacts on the way of a step in SOFA"),
+            ('<CCDTightInclusionIntersection continuousCollisionType="FreeMotion"/>', "", "finds contacts on the free motion of a step"),
             (near.format(""), 'PointActiverPath="@../x"', "PointActiverPath: leaves some points out of contacts in SOFA")):
         Run(root(touch.format(method, model)), 1).says(words)
     for words in ('angleCone="0.0" filterIntersection="true" useLMDFilters="0"', 'angleCone="0.1" filterIntersection="false"'):

@@ -150,7 +150,7 @@ std::string_view typeHere(std::string_view type) {
       {"FixedWeakConstraint", "RestShapeSpringsForceField"}, {"NodalLinearDampingForceField", "DiagonalVelocityDampingForceField"},
       {"TriangleBendingSprings", "TriangularBendingSprings"}, {"SparsePARDISOSolver", "SparseLDLSolver"},
       {"SparseTAUCSSolver", "SparseLDLSolver"}, {"SparseTAUCSLLtSolver", "SparseLDLSolver"}, {"CudaSparseLDLSolver", "SparseLDLSolver"},
-      {"LMDNewProximityIntersection", "LocalMinDistance"}, {"CCDTightInclusionIntersection", "NewProximityIntersection"},
+      {"LMDNewProximityIntersection", "LocalMinDistance"},
       {"BeamLinearMapping_mt", "BeamLinearMapping"}, {"ManifoldEdgeSetTopologyContainer", "EdgeSetTopologyContainer"},
       {"ManifoldTriangleSetTopologyContainer", "TriangleSetTopologyContainer"},
       {"ManifoldTetrahedronSetTopologyContainer", "TetrahedronSetTopologyContainer"},

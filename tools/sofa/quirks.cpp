@@ -10,7 +10,7 @@ namespace stroma::sofa {
 const std::vector<Quirk>& allQuirks() {
   static const std::vector<Quirk> quirks = {
       {"child-gravity", "gravity and dt of a child node do not count"},
-      {"cg-threshold", "conjugate gradients stop at an absolute p.Ap, in the units of the scene"},
+      {"cg-threshold", "conjugate gradients stop at an absolute p.Ap or, preconditioned, r.Br, in the units of the scene"},
       {"spring-length", "the constants of springs of a mesh are divided by their length"},
       {"meeting-ends", "springs do nothing where their ends meet, and have no stiffness there"},
       {"explicit-damping", "damping of springs and obstacles is explicit; its tension, and Rayleigh factors of parts, are in the tangent"},
@@ -26,7 +26,7 @@ const std::vector<Quirk>& allQuirks() {
       {"trapezoidal-positions", "the trapezoidal rule moves positions with the new velocity"},
       {"whole-first-step", "central differences begin with a whole step of force instead of half of one"},
       {"grid-origin", "p0 of a grid is its origin, whatever its box"},
-      {"moved-inertia", "the inertia of nodes that are moved does not reach their neighbours; attached ends share velocities"},
+      {"moved-inertia", "the inertia of moved nodes, and of followers in explicit steps, reaches nobody; attached ends share velocities"},
       {"unheld-matrix", "assembled matrices leave nodes on lines, planes and given ways, and ends attached both ways, free within a step"},
       {"total-mass", "of totalMass and vertexMass the total wins"},
       {"added-masses", "several masses of one state add up"},
@@ -38,7 +38,7 @@ const std::vector<Quirk>& allQuirks() {
       {"isolated-springs", "springs and penalties between bodies that no solver has in common have the force of a step's start"},
       {"first-end-beams", "beams have the axes of their first frame, whose x is their direction whichever way they lie"},
       {"no-centrifugal", "masses on what follows frames do not press outwards as it turns"},
-      {"centre-cells", "embedded points outside of a mesh, or off a surface, follow the cell with the nearest centre"},
+      {"centre-cells", "embedded points off a mesh follow the cell with the nearest centre; a grid holds them as it is written"},
       {"held-arms", "the arms of what follows frames are held in the tangent: it lacks how torques change as they turn"},
       {"one-sided-turns", "springs that turn frames, teeth and joints do not balance their torques; held turns go on as velocities"},
       {"unturned-springs", "springs that turn frames back have a tangent that leaves out how their torques turn"},

@@ -69,6 +69,7 @@ void Rewriting::run() {
   keepOneIntegrator(tree_->root(), false);
   joinBodies();
   dropIdle(tree_->root(), false);
+  leaveOutInertia();
   holdMassless(tree_->root(), false);
   chooseSolvers();
   dropUnusedSolvers();

@@ -39,6 +39,7 @@ class Rewriting {
   void makeChains();                // rewritten_shapes.cpp
   void meanThinCells(Element& field);
   void meanJoint(Element& joint);   // rewritten_shapes.cpp
+  void meanEmbedding(Element& mapping);  // rewritten_shapes.cpp
   void splitPlasticity(Element& field);
   void divideSteps();
   void chooseSolvers();
@@ -165,6 +166,7 @@ class Rewriting {
   // ---- rewritten_masses.cpp ----
   void meanMass(Element& element);
   void meanLists(Element& mass);
+  void leaveOutInertia();
   void addToOthers(Element& mass);
   void warnOfWeight(const Element& mass, const Element& state);
   void shareMass(Element& mass, const Element& state);
@@ -173,6 +175,10 @@ class Rewriting {
   bool hasMass(const Place& place) const;
   bool actsIn(const Place& place, const std::set<std::string>& roles) const;
   bool isPulledThroughOthers(const Element& state) const;
+
+  // ---- rewritten_searches.cpp ----
+  void meanSearch(Element& solver);
+  static Element* searchOf(const Element& integrator);
 
   // ---- rewritten_solvers.cpp ----
   void meanSolver(Element& element);

@@ -54,7 +54,7 @@ void Rewriting::applyMeaning(Element& element) {
   if (element.role() == "mapping") holdArms(element);
   if (isAnyOf(element.written->type, {"RigidMapping", "RigidRigidMapping"})) meanCarried(element);
   if (element.is("IdentityMapping")) setDefault(element, "resizes", "true");
-  if (element.is("BarycentricMapping")) warnOfFrames(element), setQuirk(element, "centre-cells", "foundBy", "centres");
+  if (element.is("BarycentricMapping")) warnOfFrames(element), meanEmbedding(element);
   if (element.is("CollisionResponse")) takeFriction(element);
   if (role == "engine" || role == "mesh engine") warnOfChance(element);
   if (element.is("ValuesFromPositions")) setDefault(element, "extent", "x");

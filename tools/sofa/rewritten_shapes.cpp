@@ -134,4 +134,24 @@ void Rewriting::meanJoint(Element& joint) {
   joint.remove("articulationProcess");
 }
 
+/// SOFA finds the cell of a point off a mesh by its centre, and that of a point in a grid where the grid is. A state that scales, turns and
+/// translates its nodes takes the origin of a RegularGridTopology with it, and neither its axes nor its spacing; a SparseGridTopology
+/// stays, and so do grids whose state has positions of its own.
+void Rewriting::meanEmbedding(Element& mapping) {
+  setQuirk(mapping, "centre-cells", "foundBy", "centres");
+  const Place* parent = mapping.place->parent;
+  const Element* state = parent ? parent->nearest("mechanical state") : nullptr;
+  const Element* grid = state ? state->place->firstOf("topology") : nullptr;
+  if (!grid || !isAnyOf(grid->written->type, {"RegularGridTopology", "SparseGridTopology"})) return;
+  const auto gives = [state](std::initializer_list<const char*> names) {
+    return std::any_of(names.begin(), names.end(), [state](const char* name) { return state->find(name) != nullptr; });
+  };
+  const bool has_places = gives({"position", "rest_position", "src", "filename"});
+  const bool moves = gives({"scale", "scale3d", "rotation", "translation", "rotation2", "translation2", "sx", "sy", "sz", "rx", "ry", "rz",
+                            "dx", "dy", "dz", "rx2", "ry2", "rz2", "dx2", "dy2", "dz2"});
+  if (!has_places && !moves) return;
+  const bool stays = has_places || grid->is("SparseGridTopology");
+  setQuirk(mapping, "centre-cells", "cellsOf", stays ? "grid" : "moved_grid");
+}
+
 }  // namespace stroma::sofa
