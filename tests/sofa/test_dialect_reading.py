@@ -658,4 +658,28 @@ def words_that_are_no_indices():
     Run(scene, 1).says("/ConstantForceField1.forces: SOFA reads its numbers up to ',' alone")
 
 
+@case
+def attributes_that_sofa_declares_and_others():
+    """Some of SOFA's are not here: refused unless they have their default, or no effect. A typo is one there too. Of a type whose
+    attributes are not known nothing is said of SOFA."""
+    body = EXACT + BODY + "<FixedLagrangianConstraint {}/>"
+    Run(root(body.format('endTime="0.5"')), 1).fails(2, "/FixedLagrangianConstraint1.endTime: ",
+                                                      "SOFA's FixedLagrangianConstraint reads 'endTime', which is not available here")
+    for default in ("-1", "-1.0", "-1e0"):
+        run = Run(root(body.format(f'endTime="{default}" constraintIndex="3"')), 1)
+        assert run.code == 0 and "endTime: " not in run.text and "constraintIndex: " not in run.text, run.text
+        run.says("FixedLagrangianConstraint.endTime", "FixedLagrangianConstraint.constraintIndex")  # in the list of what has no effect
+    run = Run(root(body.format('endTim="0.5"')), 1)
+    assert run.code == 0, run.text
+    run.says("FixedLagrangianConstraint has no attribute 'endTim', nor has SOFA's: the scene runs without it", "did you mean 'endTime'?")
+    run = Run(root(EXACT + BODY + '<LennardJonesForceField dmx="0.5"/>'), 1)
+    run.says("LennardJonesForceField has no attribute 'dmx' here: the scene runs without it")
+    mass = BODY.replace("<UniformMass", '<UniformMass rayleighStiffness="0.3" isCompliance="1"')
+    falls(Run(root(EXACT + mass), 10))
+    model = '<PointCollisionModel collisionElementActiver="@dofs" numberOfContacts="3"/>'
+    Run(root(EXACT + BODY + model), 1).fails(2, "SOFA's PointCollisionModel reads 'collisionElementActiver'")
+    grid = '<RegularGridTopology n="2 1 1" min="0 0 0" max="1 0 0" position="5 5 5"/><MechanicalObject name="dofs"/><UniformMass totalMass="2"/>'
+    agree(Run(root(EXACT + grid), 10).x(), [[0, fallen(10), 0], [1, fallen(10), 0]])
+
+
 main()

@@ -118,6 +118,10 @@ void Rewriting::warnOfIgnored(const Element& element) {
       {"LocalMinDistance", "useLMDFilters", "0", "filters contacts in SOFA by components of their own: here it does not"},
       {"LMDNewProximityIntersection", "angleCone", "0", "keeps contacts within a cone in SOFA: here those of the nearest places"},
       {"MeshOBJLoader", "handleSeams", "0", "splits nodes at the seams of textures in SOFA: here they stay one"},
+      {"PreconditionedMatrixFreeSystem", "assemblingRate", "1",
+       "keeps a preconditioner for as many steps in SOFA: here it is that of the step, and solves end elsewhere within their tolerance"},
+      {"PCGLinearSolver", "update_step", "1",
+       "keeps a preconditioner for as many steps in SOFA: here it is that of the step, and solves end elsewhere within their tolerance"},
       {"LineCollisionModel", "LineActiverPath", "", "leaves some lines out of contacts in SOFA: here all take part"},
       {"PointCollisionModel", "PointActiverPath", "", "leaves some points out of contacts in SOFA: here all take part"},
   };
