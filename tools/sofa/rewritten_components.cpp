@@ -164,6 +164,10 @@ void Rewriting::meanField(Element& element) {
     if (Element* mesh = meshOf(element); mesh && mesh->written->type.starts_with("SparseGrid"))
       setDefault(element, "localStiffnessFactor", SceneTree::linkTo(*mesh) + ".cellFactors");
   if (isAnyOf(type, {"TriangularBendingSprings", "QuadBendingSprings"})) setDefault(element, "allowEmpty", "true");
+  if (type == "RegularGridSpringForceField") setQuirk(element, "spring-length", "gridLengths", "true");
+  if (type == "MeshSpringForceField")
+    if (const Element* mesh = meshOf(element); mesh && (mesh->writes("edges") || mesh->writes("lines")))
+      setDefault(element, "listedLines", "true");
   if (isAnyOf(type, {"MeshSpringForceField", "RegularGridSpringForceField"}))
     setQuirk(element, "spring-length", "perLength", "true"), setDefault(element, "allowEmpty", "true");
   // without another body they count in the same rest shape
