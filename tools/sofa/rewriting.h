@@ -202,6 +202,7 @@ class Rewriting {
 
   // ---- rewritten_times.cpp ----
   double timeStep() const;
+  void meanPulse(Element& pressure);
   void takeExternalForces();
   void matchShapes();  // rewritten_planes.cpp
   void meanTimes(Element& element);

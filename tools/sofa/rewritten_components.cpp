@@ -172,8 +172,7 @@ void Rewriting::meanField(Element& element) {
     setQuirk(element, "spring-length", "perLength", "true"), setDefault(element, "allowEmpty", "true");
   // without another body they count in the same rest shape
   if (type == "RestShapeSpringsForceField") meanRestShape(element);
-  if (type == "SurfacePressureForceField" && !saysYes(element.text("pulseMode")))
-    for (const char* pulse : {"pressureLowerBound", "pressureSpeed"}) element.remove(pulse);
+  if (type == "SurfacePressureForceField") meanPulse(element);
   if (type == "MeshSpringForceField") {
     const auto& written = element.written->attributes;
     element.dropped = std::none_of(written.begin(), written.end(), [](const AttributeDescription& each) {
