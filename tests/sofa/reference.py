@@ -35,7 +35,7 @@ def euler(x, mass, forces, steps, h, v=None, held=(), theta=1.0, rayleigh_mass=0
         dv = np.zeros(3 * n)
         if cg:
             P = np.diag(free.astype(float))
-            dv = conjugate_gradients(P @ A @ P, b, *cg, first=step == 0)
+            dv = cg(P @ A @ P, b, step == 0) if callable(cg) else conjugate_gradients(P @ A @ P, b, *cg, first=step == 0)
         else:
             dv[free] = np.linalg.solve(A[np.ix_(free, free)], b[free])
         v = v + dv.reshape(-1, 3)

@@ -74,6 +74,7 @@ void Rewriting::run() {
   chooseSolvers();
   dropUnusedSolvers();
   dropIdleEngines();
+  findNodesOfRegions();
   dropUnusedLoaders();
   dropIdleWatch();
   tree_->forEach([this](Element& element) { rewriteLinks(element); });

@@ -39,6 +39,8 @@ class Rewriting {
   void makeChains();                // rewritten_shapes.cpp
   void meanThinCells(Element& field);
   void meanJoint(Element& joint);   // rewritten_shapes.cpp
+  void findNodesOfRegions();        // rewritten_shapes.cpp
+  void emptyRegion(Element& region);
   void meanEmbedding(Element& mapping);  // rewritten_shapes.cpp
   void splitPlasticity(Element& field);
   void divideSteps();
@@ -228,6 +230,7 @@ class Rewriting {
   std::map<const Element*, std::string> layers_;               ///< by the load whose triangles lie in a box
   std::string turn_tolerance_;                                 ///< of frames that are tied
   bool has_solids_ = false;  ///< capsules or boxes, which are surfaces here
+  std::set<const Element*> blind_;                             ///< regions that find no nodes in SOFA
   std::vector<Element*> parts_;                                ///< regions whose cells count their own nodes
   std::unique_ptr<SceneTree> tree_;
 };

@@ -134,6 +134,36 @@ void Rewriting::meanJoint(Element& joint) {
   joint.remove("articulationProcess");
 }
 
+/// A region takes the nodes of the state beside it, else of a loader beside it, else of a state above. Meshes do not count.
+void Rewriting::findNodesOfRegions() {
+  tree_->forEach([this](Element& region) {
+    const bool takes_nodes = region.role() == "selection" && region.probe->data().find("allowEmpty");
+    if (!takes_nodes || region.find("position") || region.find("rest_position")) return;
+    const Place& here = *region.place;
+    if (here.has("mechanical state")) return;
+    Element* loader = here.firstOf("mesh loader");
+    if (loader && !here.has("topology")) region.set("position", SceneTree::linkTo(*loader) + ".position");
+    if (!loader && !here.nearest("mechanical state")) blind_.insert(&region);
+  });
+}
+
+/// Some regions begin with node 0 selected, and keep it where they find no nodes.
+void Rewriting::emptyRegion(Element& region) {
+  const bool keeps_first = isAnyOf(region.type_abroad, {"BoxROI", "SphereROI", "MeshROI"});
+  const std::string link = SceneTree::linkTo(region);
+  bool is_asked = false;
+  if (keeps_first)
+    tree_->forEach([&](Element& element) {
+      for (AttributeDescription& attribute : element.written->attributes)
+        if (isAnyOf(attribute.value, {link + ".indices", link + ".pointIndices"})) attribute.value = "0", is_asked = true;
+    });
+  region.set("position", "");
+  warn(region.written->where, region, {},
+       is_asked ? "finds no state or loader to take nodes of: its indices are node 0, as in SOFA"
+                : "finds no state or loader to take nodes of: it selects nothing, as in SOFA",
+       "position=\"@state.rest_position\"");
+}
+
 /// SOFA finds the cell of a point off a mesh by its centre, and that of a point in a grid where the grid is. A state that scales, turns and
 /// translates its nodes takes the origin of a RegularGridTopology with it, and neither its axes nor its spacing; a SparseGridTopology
 /// stays, and so do grids whose state has positions of its own.

@@ -288,7 +288,8 @@ void Rewriting::takeFriction(Element& response) {
     response.set("response", answer.substr(0, mark));
     if (mark != std::string::npos) response.set("responseParams", answer.substr(mark + 1));
   }
-  const bool pushes = isAnyOf(response.text("response"), {"", "default", "PenalityContactForceField"});
+  if (word.empty()) response.set("response", "PenalityContactForceField");
+  const bool pushes = isAnyOf(response.text("response"), {"default", "PenalityContactForceField"});
   if (pushes && !groups && !response.place->nearest("integrator")) setQuirk(response, "isolated-springs", "explicitBetween", "true");
   listContacts(response, method);
   const bool rubs = response.text("response").find("Friction") != std::string::npos;
