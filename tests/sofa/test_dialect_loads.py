@@ -334,6 +334,20 @@ def nodes_outside_of_a_cone():
     agree(Run(scene, 12).x(), euler(x, 0.5 * np.eye(6), field, 12, 0.01, v=v))
 
 
+@case
+def forces_of_other_numbers_than_nodes():
+    """The last one is that of the nodes beyond, and those beyond the nodes count for nothing."""
+    X = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0]])
+    body = f'<MechanicalObject name="dofs" position="{numbers_of(X)}"/><UniformMass totalMass="3"/><ConstantForceField {{}}/>'
+    for words, forces, said in (('indices="0 1 2" forces="1 0 0  0 1 0"', [[1, 0, 0], [0, 1, 0], [0, 1, 0]], "the others have the last"),
+                                ('forces="1 0 0  0 1 0"', [[1, 0, 0], [0, 1, 0], [0, 1, 0]], "forces has 2 values for 3 nodes"),
+                                ('indices="2 1" forces="1 0 0  0 1 0  0 0 5"', [[0, 0, 0], [0, 1, 0], [1, 0, 0]], "count for nothing"),
+                                ('indices="2 1" forces="0 0 5"', [[0, 0, 0], [0, 0, 5], [0, 0, 5]], "")):
+        run = Run(node(EXACT + body.format(words)), 1)
+        agree((run.x() - X) / 1e-4, forces, 1e-8)
+        run.says(said)
+
+
 def pulse(pressure, low, change, steps):
     """SOFA's: once more in each step, cut off at its ends."""
     value, rises, values = 0.0, True, []

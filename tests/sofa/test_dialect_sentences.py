@@ -661,7 +661,7 @@ def what_a_silent_scene_means():
              '<FixedProjectiveConstraint indices="0 1"/>{}')
     points = '<MechanicalObject name="dofs" position="0 0 0  1.2 -0.1 0  2 -0.4 0.1"/>{}<FixedProjectiveConstraint indices="0"/>{}'
     frames = ('<MeshTopology edges="0 1  1 2"/><MechanicalObject template="Rigid3" name="dofs" position="0 0 0 0 0 0 1  1 0 0 0 0 0 1  2 0 0 0 0 0 1"/>{}'
-              '<FixedProjectiveConstraint indices="0"/>{}')
+              '<FixedProjectiveConstraint indices="0"/><ConstantForceField indices="2" forces="0 0 0 30 0 0"/>{}')
     young = 'youngModulus="5000" poissonRatio="0.45"'
     explicit = [(grid, uniform, "<HexahedronFEMForceField/>", f'<HexahedronFEMForceField method="large" {young}/>'),
                 (tets, uniform, "<TetrahedronFEMForceField/>", f'<TetrahedronFEMForceField method="large" {young}/>'),
@@ -676,7 +676,7 @@ def what_a_silent_scene_means():
                 (points, uniform, "<RestShapeSpringsForceField/>", '<RestShapeSpringsForceField points="0 1 2" stiffness="100"/>'),
                 (points, uniform, "<PlaneForceField/>", '<PlaneForceField normal="0 1 0" d="0" stiffness="500" damping="5"/>'),
                 (points, uniform, "<SphereForceField/>", '<SphereForceField center="0 0 0" radius="1" stiffness="500" damping="5"/>'),
-                (frames, uniform, "<BeamFEMForceField/>", f'<BeamFEMForceField radius="0.1" radiusInner="0" {young}/>'),
+                (frames, uniform, "<BeamFEMForceField/>", '<BeamFEMForceField radius="0.1" radiusInner="0" youngModulus="5000" poissonRatio="0.49"/>'),
                 (sheet, uniform, "<TriangularFEMForceFieldOptim/>", None), (sheet, uniform, "<TriangularBendingSprings/>",
                                                                             '<TriangularBendingSprings stiffness="1e5" damping="1"/>')]
     for body, mass, silent, written in explicit:
@@ -698,6 +698,38 @@ def what_a_silent_scene_means():
                              'rayleighStiffness="0"/><CGLinearSolver iterations="25" tolerance="1e-5" threshold="1e-5"/>'),
                             ("<EulerExplicitSolver/>", '<EulerExplicitSolver symplectic="1"/>')):
         agree(Run(root(silent + chain), 8).x(), Run(root(written + chain), 8).x(), 0)
+
+
+@case
+def options_of_constraints_springs_and_regions():
+    X = np.array([[0, 0, 0], [1, 0, 0], [2, 0.1, 0]])
+    body = f'<MechanicalObject name="dofs" position="{numbers_of(X)}"/><UniformMass totalMass="3"/>'
+    fall = np.array([0, fallen(5), 0])
+
+    def ended(words, steps=5, scene=root):
+        return Run(scene(EXACT + body + words), steps).x()
+    moved = X.copy()
+    moved[[0, 2]] = 1.1, 2, 3
+    agree(ended('<LinearMovementProjectiveConstraint indices="0 2" keyTimes="0 1" movements="1 2 3  2 2 3" relativeMovements="0"/>', 11, node), moved)
+    agree(ended('<PartialFixedProjectiveConstraint fixAll="1" fixedDirections="1 0 1"/>'), X + fall)
+    agree(ended('<FixedTranslationProjectiveConstraint indices="1"/>'), X + np.outer([1, 0, 1], fall))
+    first = springs([(0, 1)], [[0, 0, 0], [0.8, 0, 0], [0, 0, 0]], 50, per_length=False)
+    two = '<SpringForceField springsIndices1="0 1" springsIndices2="1 2" lengths="0.8" stiffness="50" damping="0" {}/>'
+    agree(ended(two.format('enabled="1 0"'), 5, node), euler(X, np.eye(3), first, 5, 0.01))
+    for start in (1.0, 0.6):
+        pair = np.array([[0, 0, 0], [start, 0, 0]])
+        scene = node(EXACT + f'<MechanicalObject name="dofs" position="{numbers_of(pair)}"/><UniformMass totalMass="2"/><SpringForceField '
+                     'springsIndices1="0" springsIndices2="1" lengths="0.8" stiffness="50" damping="0" elongationOnly="1"/>')
+        acts = springs([(0, 1)], [[0, 0, 0], [0.8, 0, 0]], 50, per_length=False, acts=lambda stretch: stretch > 0)
+        agree(Run(scene, 15).x(), euler(pair, np.eye(2), acts, 15, 0.01))
+    held = '<{} name="b" {}/><FixedProjectiveConstraint indices="@b.{}"/>'
+    for region, out, nodes in (('BoxROI box="-0.1 -1 -1 0.1 1 1  1.9 -1 -1 2.1 1 1"', "indices", [0, 2]), ('BoxROI box="0.1 1 1 -0.1 -1 -1"', "indices", [0]),
+                               ('BoxROI orientedBox="-0.5 -1 0  0.5 -1 0  0.5 1 0  2"', "indices", [0]),
+                               ('SphereROI centers="0 0 0  2 0 0" radii="0.3 0.2"', "indicesOut", [1])):
+        kind, words = region.split(" ", 1)
+        agree(ended(held.format(kind, words, out)), X + np.outer([i not in nodes for i in range(3)], fall))
+    small = f'<MechanicalObject name="dofs" position="{numbers_of(X)}" restScale="0.5"/><UniformMass totalMass="3"/><RestShapeSpringsForceField stiffness="100"/>'
+    agree(Run(node(EXACT + small), 5).x(), euler(X, np.eye(3), of_rest(range(3), X * 0.5, 100.0), 5, 0.01))
 
 
 main()
