@@ -147,7 +147,7 @@ FactorCosts factorCosts(double rows, double blocks, const FactorCounts& counts, 
   const auto [entries, flops] = counts;
   const bool is_single = in_single || flops >= std::max(5e7, 180 * entries);
   FactorCosts costs;
-  costs.order = IterationCosts::order(rows, blocks, counts);
+  costs.order = IterationCosts::order(blocks, counts);
   const Factorisation::Cost own = Factorisation::Cost::of(entries, flops, is_single);
   costs.factor = own.factor / nanosecond;
   costs.application = own.apply / nanosecond + FactorCosts::turning * rows;

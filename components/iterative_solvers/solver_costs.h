@@ -92,8 +92,8 @@ struct IterationCosts {
     return told >= 0 && told < of_products ? told + 30.0 * matrix.rows() : assembly(double(matrix.rows()));
   }
   /// Of a direct solver, with the analysis.
-  static double order(double rows, double blocks, const FactorCounts& counts) {
-    return 5e5 + (isDissected(blocks, counts) ? 6000 * rows + 150 * blocks : 80 * blocks);
+  static double order(double blocks, const FactorCounts& counts) {
+    return 5e5 + (isDissected(blocks, counts) ? 430 : 80) * blocks;
   }
   static double pattern(double rows, double blocks) { return 2500 * rows + 150 * blocks; }
   /// Of the first factors: a module with its libraries, and memory that the system has to give.
