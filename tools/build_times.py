@@ -10,6 +10,7 @@ Exit code 1 if a unit took longer than the limit, 2 if the log cannot be read.""
 import argparse
 import collections
 import os
+import re
 import subprocess
 import sys
 
@@ -17,9 +18,14 @@ SOURCES = (".cpp", ".h", ".py", ".js", ".html", ".css")
 DEEP = ("components", "tests", "tools")  # their folders have rows of their own
 
 
-def units_of(path):
-    """The last time [s] of each object file in a log."""
+def units_of(build):
+    """The last time [s] of each object file in the log of a build folder. The log keeps those that the build has no more."""
     units = {}
+    path, plan = os.path.join(build, ".ninja_log"), os.path.join(build, "build.ninja")
+    made = None
+    if os.path.isfile(plan):
+        with open(plan) as file:
+            made = set(re.findall(r"^build (\S+\.(?:o|gch))[ :|]", file.read(), re.M))
     with open(path) as log:
         if not log.readline().startswith("# ninja log v"):
             raise ValueError(f"{path}: not a log of ninja")
@@ -29,7 +35,7 @@ def units_of(path):
             fields = line.rstrip("\n").split("\t")
             if len(fields) != 5:
                 raise ValueError(f"{path}:{number}: expected five fields, found {len(fields)}")
-            if fields[3].endswith((".o", ".gch")):
+            if fields[3].endswith((".o", ".gch")) and (made is None or fields[3] in made):
                 units[fields[3]] = (int(fields[1]) - int(fields[0])) / 1000
     return units
 
@@ -72,7 +78,7 @@ def main():
     parser.add_argument("--limit", type=float, metavar="SECONDS", help="longest time of a unit")
     options = parser.parse_args()
     try:
-        units = units_of(os.path.join(options.build, ".ninja_log"))
+        units = units_of(options.build)
     except (OSError, ValueError) as error:
         print(f"build_times.py: {error}", file=sys.stderr)
         return 2

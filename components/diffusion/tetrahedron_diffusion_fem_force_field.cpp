@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// TetrahedronDiffusionFEMForceField: a quantity that spreads in a body, as heat or a concentration. The nodes of a state of
-// template Vec1 have its values T, and linear tetrahedra between their places at rest carry it.
+// TetrahedronDiffusionFEMForceField: diffusion of a quantity in a body, such as heat or a concentration. Its values T are at the nodes of a
+// state of template Vec1. The cells are linear tetrahedra between the rest positions of these nodes.
 //
 //   f_i = -sum over cells of V_c sum_j (grad N_i . D_c grad N_j) T_j
 //
-// D_c is a number, or with fibres of the direction d along which it is `anisotropyRatio` r times as large D_c (1 + (r - 1) d d^T).
+// D_c is a number. With a fibre direction d, along which it is r = anisotropyRatio times as large, it is D_c (1 + (r - 1) d d^T).
 //
-// With a MeshMatrixMass or a DiagonalMass of density rho on the values, and an integrator with firstOrder="true", that is
-// rho dT/dt = div (D grad T): D / rho is a diffusivity [m^2/s]. Without firstOrder it is a wave equation. Held values
-// (FixedProjectiveConstraint) are boundary values, all others are free of flow through the surface.
+// With a MeshMatrixMass or a DiagonalMass of density rho on the values, and an integrator with firstOrder="true", this is
+// rho dT/dt = div (D grad T), where D / rho is the diffusivity [m^2/s]. Without firstOrder it is a wave equation. Held values
+// (FixedProjectiveConstraint) are boundary values. There is no flow through the rest of the surface.
 //
-// The places are those of the state `mechanicalObject`, of the nearest state of points above when it is not given. They stay
-// those at rest where the body moves.
+// Positions are those of the state `mechanicalObject`, by default the nearest state of points above. The rest positions are used even if
+// the body moves.
 //
-// Source: names and attributes are SOFA's, and so is that d counts with the length that it is written with: 1 is meant.
-// tagMechanics, by which SOFA finds the state of the places, is not looked at.
+// Source: names and attributes are SOFA's. As in SOFA the length of d counts, so it should be 1. tagMechanics, by which SOFA finds the
+// state with the positions, is ignored.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">

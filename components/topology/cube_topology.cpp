@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // CubeTopology: the surface of a box of nx x ny x nz nodes, of quads oriented outward.
 //
-// The nodes are those of the lowest layer with x fastest, of the highest, and then of each layer between: the row of the least y,
-// that of the largest, the column of the least x without its ends, that of the largest. With `internalPoints`, or where one of
-// the numbers is 1, they are all nodes of the box in the order of RegularGridTopology. Quads are those normal to z, y, then x,
-// of the lower end before the upper. With `splitNormals` each side has nodes of its own: sides of the least x, y, z, then of the largest,
-// in each the first of the other two axes fastest. Edges then join nodes of the first of these sides (least x, largest x, least y ...).
+// The order of the nodes is: the lowest layer with x fastest, the highest layer, then each layer between. A layer between has the row of
+// least y, the row of largest y, and the columns of least and largest x without their ends. With `internalPoints`, or if nx, ny or nz is 1,
+// the nodes are all those of the box in the order of RegularGridTopology. Quads are ordered by their normal, z, y, then x, and at each by
+// the lower end first. With `splitNormals` each side has its own nodes. The sides are ordered least x, y, z, then largest x, y, z, and in
+// each the first of the other two axes is fastest. Edges then join the nodes of the first sides (least x, largest x, least y ...).
 //
-// SphereQuadTopology: the same quads on a sphere, each node p of the cube from -1 to 1 at  center + radius (max |p_i| / |p|) p.
+// SphereQuadTopology: the same quads on a sphere. Each node p of the cube from -1 to 1 becomes  center + radius (max |p_i| / |p|) p.
 //
 // Source: names, attributes and the order are SOFA's.
 //

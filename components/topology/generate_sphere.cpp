@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// GenerateSphere: a ball of tetrahedra, made of a platonic solid: each of its faces with the centre is a tetrahedron, which is
-// cut into tessellationDegree^3 smaller ones, in layers around the centre. Layer l of n has the radius l R / n; its nodes lie on
-// rays through those that cut the faces evenly. The surface is that of the last layer: triangles of output_TrianglesPosition.
+// GenerateSphere: a ball of tetrahedra, made from a platonic solid. Each face of the solid forms a tetrahedron with the centre, which is
+// cut into tessellationDegree^3 smaller ones in layers around the centre. Layer l of n has radius l R / n. Its nodes lie on the rays
+// through the nodes of an even cut of the faces. The surface is that of the last layer: output_TrianglesPosition lists its triangles.
 //
 // Source: names and attributes are SOFA's; the order of nodes and cells is not.
 //

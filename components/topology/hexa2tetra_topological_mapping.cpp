@@ -2,26 +2,22 @@
 // Cuts each hexahedron of a mesh into tetrahedra on the same nodes.
 //
 // cutting:
-// - six (default): around the diagonal from corner 0 to corner 6, as SOFA does; the faces of neighbours in a grid
-// match.
+// - six (default): around the diagonal from corner 0 to corner 6, as SOFA does. In a grid the faces of neighbours match.
 //   With swapping="true" each cell is the mirror image of its neighbours, so that no diagonal is preferred.
-// - five1, five2: the two ways to cut a hexahedron into five. With a corner's index the binary number zyx:
+// - five1, five2: the two ways to cut a hexahedron into five. A corner's index is the binary number zyx:
 //     1: (1 4 5 7) (0 1 4 2) (1 3 2 7) (2 4 6 7) (1 2 4 7)     2: (5 0 1 3) (4 5 0 6) (5 7 6 3) (6 0 2 3) (5 6 0 3)
-//   All cells are cut alike, so the faces of neighbours do not match (a warning says how many).
-// - five: one or the other for each cell, so that all faces match.
-// - ten: both superposed, symmetric in every cell. The cells cover the body twice: elastic force fields and masses
-//   that read this topology count each of them half (stiffnessScale 0.5), so youngModulus and density keep their
-//   values.
-// - mirrored: six as with swapping, but corner by corner: the tetrahedra of every other cell have a negative volume. So
-//   TetrahedronFEMForceField cuts a grid in SOFA; the frame of its method large depends on the order of nodes.
+//   All cells are cut alike, so the faces of neighbours do not match. A warning tells how many.
+// - five: five1 or five2, chosen for each cell so that all faces match.
+// - ten: both superposed, symmetric in every cell. The cells cover the body twice. Elastic force fields and masses on this topology
+//   count each cell half (stiffnessScale 0.5), so youngModulus and density keep their values.
+// - mirrored: six with swapping, but mirrored corner by corner, so that the tetrahedra of every other cell have a negative volume. SOFA's
+//   TetrahedronFEMForceField cuts a grid in this way. It matters because the frame of its method large depends on the order of the nodes.
 //
-// The tetrahedra go to the container named by `output`, else to a TetrahedronSetTopologyContainer beside the mapping;
-// without one the mapping itself is the topology of its node. Those of hexahedron h are [n h, n h + n) for a cut into
-// n.
+// The tetrahedra go to the container named by `output`, or to a TetrahedronSetTopologyContainer beside the mapping. Without one, the
+// mapping itself is the topology of its node. With a cut into n, hexahedron h becomes tetrahedra n h to n h + n - 1.
 //
 // Source: M. Nesme, M. Marchal, E. Promayon, M. Chabanas, Y. Payan, F. Faure: Physically realistic interactive
-// simulation for biological soft tissues (2005), appendix B; the cut into six and the attributes input, output,
-// swapping are SOFA's.
+// simulation for biological soft tissues (2005), appendix B. The cut into six and the attributes input, output and swapping are SOFA's.
 //
 // Example:
 // <Node name="root">

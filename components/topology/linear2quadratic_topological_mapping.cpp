@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Raises the order of a mesh: tetrahedra become quadratic ones of ten nodes, triangles quadratic triangles of six, with
-// one new node in the middle of each edge.
+// Raises the order of a mesh: tetrahedra become quadratic ones of ten nodes, triangles become quadratic triangles of six. Each edge gets a
+// node at its middle, which its cells share.
 //
-// The nodes of the linear mesh come first and keep their numbers; the new ones follow in the order of the edges
-// (ascending by their smaller, then larger end), and an edge that cells share has one. Cells keep their order, so that a
-// list with a value per tetrahedron (materials, labels, fibres) goes with the quadratic tetrahedra, and a triangle's
-// index with the quadratic triangles: quadraticTriangleIndices of a load takes what triangleIndices took. Edges are
-// straight; meshes with curved edges come from a file (MeshGmshLoader, MeshVTKLoader).
+// The nodes of the linear mesh come first and keep their numbers. The new nodes follow in the order of the edges, sorted by the smaller,
+// then the larger end. Cells keep their order. So a list with one value per tetrahedron (materials, labels, fibres) also fits the
+// quadratic tetrahedra, and the index of a triangle is that of its quadratic triangle: pass what was in triangleIndices of a load to
+// quadraticTriangleIndices. Edges are straight. Meshes with curved edges come from a file (MeshGmshLoader, MeshVTKLoader).
 //
-// A selection by position (BoxROI on the raised mesh) includes the new nodes. Pass a selection by numbers of the linear mesh
-// to `indices`: `raisedIndices` has these and the middles of edges between two of them on faces of the selection, or of all
-// edges between two of them if the mesh lists no triangles.
+// A selection by position (BoxROI on the raised mesh) includes the new nodes. Pass a selection by numbers of the linear mesh to `indices`.
+// `raisedIndices` then also has the middles of edges between two of these nodes. If the mesh lists triangles, only edges of triangles whose
+// corners are all selected count.
 //
-// Without `input` the mesh is that of another topology in this node, else of the nearest node above.
+// Without `input` the mesh is that of another topology in this node, or of the nearest node above.
 //
 // Source: the node order of VTK's quadratic cells.
 //

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Meshes that are made before the first step, for containers that take them by src="@maker" or by links to its outputs.
+// Meshes computed before the first step, for containers that take them by src="@maker" or by links to its outputs.
 //
 // GenerateGrid: a box of `resolution` cells along x, y, z from min to max, as hexahedra (x slowest, z fastest) and as six
-//   tetrahedra each; with none along z a flat grid of quads and triangles. Nodes: x fastest.
-// GenerateCylinder: around the z axis from origin, of tetrahedra. Each of resHeight layers has a node on the axis, then
+//   tetrahedra each. With no cells along z it is a flat grid of quads and triangles. Nodes: x fastest.
+// GenerateCylinder: tetrahedra around the z axis from origin. Each of resHeight layers has a node on the axis, then
 //   resRadial rings of resCircumferential nodes, from the inside out. surfaceTriangles with output_TrianglesPosition are its surface,
-//   with nodes of its own, closed by both ends unless openSurface. (SOFA's triangles: src="@maker" would take those for tetrahedra's.)
+//   with its own nodes, and with both ends unless openSurface is set. (SOFA calls these triangles: src="@maker" would combine them
+//   with the nodes of the tetrahedra.)
 // GridMeshCreator: the unit square in z = 0 with resolution nx ny nodes, x fastest. trianglePattern: 0 quads; 1 triangles with
-//   alternating diagonals, 2 from corner to the opposite one, 3 along the other diagonal. The edges of the cells, too.
-// StringMeshCreator: `resolution` points on the x axis from 0 to 1, and the edges between neighbours. Both are scaled, turned,
-//   moved, split and turned round as by the mesh loaders.
+//   alternating diagonals; 2 diagonals from a corner to the opposite one; 3 the other diagonal. It also lists the edges of the cells.
+// StringMeshCreator: `resolution` points on the x axis from 0 to 1, and the edges between neighbours. As by the mesh loaders, both
+//   can be scaled, rotated, translated and split, and their normals flipped.
 // ExtrudeQuadsAndGenerateHexas: layers of hexahedra on surfaceQuads, along the mean normals of the nodes from -thicknessIn to
-//   thicknessOut; node k of the surface becomes numberOfSlices + 1 nodes, one after another.
-// ExtrudeEdgesAndGenerateQuads: strips of quads on curveEdges along extrudeDirection; the nodes come layer by layer.
+//   thicknessOut. Node k of the surface becomes numberOfSlices + 1 successive nodes.
+// ExtrudeEdgesAndGenerateQuads: strips of quads on curveEdges along extrudeDirection. The nodes are ordered by layer.
 //
 // Source: names, attributes and the order of nodes and cells are SOFA's.
 //

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Reads the geometry of a Wavefront .obj file: nodes (v), lines (l) and polygons (f).
 //
-// Nodes keep the number they have in the file (from 0), whatever the normals and texture coordinates of a polygon's
-// corners, so that index lists made for the file stay valid. Triangles and quads are kept; a polygon with more corners
-// is cut into triangles around its first corner. Materials, groups, normals and texture coordinates are not read. (A
-// reader of its own: VTK's makes a node for each pair of position and normal, which changes the numbers, and takes 10 ms
-// to open.)
+// Nodes keep their number in the file (from 0), whatever the normals and texture coordinates of the corners, so that index lists made for
+// the file stay valid. Triangles and quads are kept. A polygon with more corners is cut into triangles around its first corner. Materials,
+// groups, normals and texture coordinates are ignored. VTK's reader is not used: it makes a node for each pair of position and normal,
+// which changes the numbers, and takes 10 ms to open.
 //
 // Source: the format as published by Wavefront (Advanced Visualizer, appendix B1); the attributes are SOFA's.
 //

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Reads the triangles and quads of an OFF file: the word OFF, three counts (nodes, faces, edges), the nodes, then the faces as
-// a count and node numbers. Larger faces are cut into triangles around their first node. # starts a comment; what stands
-// behind the numbers of a face is a colour, and not read.
+// Reads the triangles and quads of an OFF file: the word OFF, three counts (nodes, faces, edges), the nodes, then each face as a count and
+// its nodes. Larger faces are cut into triangles around their first node. # starts a comment. Colours, which may follow the nodes of a
+// face, are ignored.
 //
 // Source: the Object File Format of Geomview; the attributes are SOFA's.
 //

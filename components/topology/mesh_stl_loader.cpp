@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Reads the triangles of an STL file, ASCII or binary.
 //
-// An STL file has no shared nodes: the corners that agree in all digits become one node, numbered in the order in which
-// they first appear. Triangles with two equal corners have no area; they are left out and counted in a note. A file is
-// binary when its size is 84 bytes and 50 for each triangle that it declares, whatever its first word.
+// An STL file has no shared nodes. Corners with equal digits become one node, and nodes are numbered in the order of their first
+// appearance. Triangles with two equal corners have no area: they are left out, and a note counts them. A file is binary if its size is 84
+// bytes plus 50 for each declared triangle, whatever its first word.
 //
-// Source: the format as published by 3D Systems (StereoLithography Interface Specification, 1989); the attributes are
-// SOFA's. VTK's reader is not used because its library adds 4 ms to the opening of every scene that writes VTK files.
+// Source: the format as published by 3D Systems (StereoLithography Interface Specification, 1989); the attributes are SOFA's. VTK's reader
+// is not used: its library adds 4 ms to the opening of every scene that writes VTK files.
 //
 // Example:
 // <Node name="root">

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// MeshTetraStuffing: tetrahedra of a body-centred lattice that fill a closed surface.
+// MeshTetraStuffing: fills a closed surface with tetrahedra of a body-centred lattice.
 //
-// Nodes are the corners of cubes of the size `size` and their middles; -n means n cubes along the longest side of the box
-// (vbbox, or that of the surface and 1 % more on each side), around whose middle the lattice lies. Around each edge of a cube
-// lie four tetrahedra, of its ends and of two neighbouring middles. Lines through the nodes along the three axes and the four
-// diagonals decide whether a node is inside: each votes by the direction in which it crosses the nearest triangle. A draw is
-// outside.
+// The nodes are the corners and the centres of cubes with side `size`. A size of -n means n cubes along the longest side of the box. The
+// lattice is centred in the box: vbbox, or the bounding box of the surface enlarged by 1 % on each side. Around each edge of a cube are
+// four tetrahedra, each between the two ends of the edge and two neighbouring centres. Whether a node is inside is decided by lines
+// through it along the three axes and the four diagonals. Each line votes by the direction in which it crosses the nearest triangle, and a
+// tie counts as outside.
 //
-// Kept are the tetrahedra with a node inside. With snapPoints a node inside that has a surface within alphaLong of an edge of a
-// cube, or alphaShort of one to a middle, first moves to the nearest such cut and counts as on the surface. With splitTetrahedra
-// the part outside of each tetrahedron is cut off, at the cuts of its edges.
+// Tetrahedra with a node inside are kept. With snapPoints an inner node moves to the nearest point where the surface cuts one of its
+// edges, if that is within the fraction alphaLong of an edge of a cube, or alphaShort of an edge to a centre. It then counts as on the
+// surface. With splitTetrahedra the outer part of each tetrahedron is cut off where the surface cuts its edges.
 //
-// Source: F. Labelle, J. R. Shewchuk: Isosurface stuffing (2007); attributes, lattice and order are SOFA's. Diagonals of cut
-// sides here begin at the inner node of the smaller number.
+// Source: F. Labelle, J. R. Shewchuk: Isosurface stuffing (2007); attributes, lattice and order are SOFA's. Here the diagonals of cut sides
+// start at the inner node with the smaller number.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">

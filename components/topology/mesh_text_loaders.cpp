@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Meshes in three simple formats of text, which SOFA's scenes name.
+// Meshes in three simple text formats used by SOFA's scenes.
 //
-// MeshTrianLoader: a count of nodes, x y z of each, a count of triangles, three nodes (from 0) and three neighbours of each
-//   (-1: none). With trian2 thirteen lines of a head come first, each count has a word before it, and normals lie between.
-// GIDMeshLoader: "MESH dimension 3 ElemType Tetrahedra Nnode 4", the nodes between "Coordinates" and "End Coordinates" as a
-//   number and coordinates, the cells between "Elements" and "End Elements" as a number and nodes (from 1). Types: Linear,
-//   Triangle, Quadrilateral, Tetrahedra, Hexahedra; of cells of a higher order the corners are taken.
-// MeshXspLoader: springs and masses: lines "mass NUMBER s|v x y z vx vy vz mass elasticity" are nodes, and lines "lspg NUMBER a b
-//   stiffness damping length" (nodes from 1) are edges. Other lines are left out, and so is what the masses and springs weigh.
+// MeshTrianLoader: the number of nodes, x y z of each, the number of triangles, and for each three nodes (from 0) and three neighbours
+//   (-1: none). With trian2 the file starts with thirteen header lines, each count follows a word, and normals come in between.
+// GIDMeshLoader: "MESH dimension 3 ElemType Tetrahedra Nnode 4", then nodes between "Coordinates" and "End Coordinates" as a
+//   number and coordinates, and cells between "Elements" and "End Elements" as a number and nodes (from 1). Types: Linear,
+//   Triangle, Quadrilateral, Tetrahedra, Hexahedra. Of cells of higher order only the corners are used.
+// MeshXspLoader: springs and masses. Lines "mass NUMBER s|v x y z vx vy vz mass elasticity" are nodes, and lines "lspg NUMBER a b
+//   stiffness damping length" (nodes from 1) are edges. Other lines, and the values of masses and springs, are ignored.
 //
 // Source: the formats, names and attributes are SOFA's.
 //

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A mesh given in the scene, taken from a loader (src="@loader") or read directly from a Gmsh file (filename).
 //
-// Cells keep the order in which they are given; edges and faces of volume cells are derived when something asks for
-// them, not before; createEdgeArray, createTriangleArray and createQuadArray make them a part of the mesh. A node without
-// positions takes those of the state beside it.
+// Cells keep their order. Edges and faces of volume cells are computed on demand. createEdgeArray, createTriangleArray and createQuadArray
+// make them a part of the mesh. Without positions, those of the state in the same node are used.
 //
 // Source: the attributes are those of SOFA's MeshTopology.
 //

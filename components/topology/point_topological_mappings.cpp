@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Meshes of points that ride on the parts of another mesh, and which parts of one mesh those of another are.
+// Mesh2PointTopologicalMapping creates points on the cells of a mesh. SubsetTopologicalMapping finds the nodes and cells of one mesh in
+// another.
 //
-// Mesh2PointTopologicalMapping: for each node, edge, triangle, quad, tetrahedron and hexahedron of the input, in this order,
-//   the points that pointBaryCoords, edgeBaryCoords ... name, each as three numbers:
+// Mesh2PointTopologicalMapping: for each node, edge, triangle, quad, tetrahedron and hexahedron of the input, in this order, the points
+//   given by pointBaryCoords, edgeBaryCoords ..., three numbers each:
 //     node: x + (u, v, w)     edge: (1 - u) a + u b     triangle: (1 - u - v) a + u b + v c
 //     quad, hexahedron: bilinear, trilinear in u, v, w from 0 to 1     tetrahedron: (1 - u - v - w) a + u b + v c + w d
-//   Where the input lists no edges they are those of its solid cells, or of its faces where there are none, one cell after the other.
-//   copyEdges, copyTriangles and copyTetrahedra also copy these cells, between the first points of the nodes. splitTetrahedra cuts
-//   each tetrahedron into eight, between the points of its nodes and those of the middles of its edges.
-//   Mesh2PointMechanicalMapping carries a state in the same way.
+//   If the input lists no edges, they are those of its solid cells, or of its faces if there are none, cell by cell. copyEdges,
+//   copyTriangles and copyTetrahedra also copy these cells, between the first points of their nodes. splitTetrahedra cuts each tetrahedron
+//   into eight, between the points of its nodes and of the middles of its edges.
+//   Mesh2PointMechanicalMapping maps a state in the same way.
 //
-// SubsetTopologicalMapping: of each node of `output` the node of `input` at the same place (samePoints: with the same number),
-//   pointD2S, and of each node of the input that of the output, pointS2D, -1 where there is none. With handleEdges and its like
-//   the same of cells. SubsetMapping indices="@mapping.pointD2S" then carries the state.
+// SubsetTopologicalMapping: pointD2S is, for each node of `output`, the node of `input` at the same place (samePoints: with the same
+//   number). pointS2D is the inverse, with -1 for none. handleEdges and similar attributes do the same for cells. SubsetMapping
+//   indices="@mapping.pointD2S" then maps the state.
 //
-// Source: names and attributes are SOFA's. Its quads take corners 2 and 3 for each other. The lists of
-// SubsetTopologicalMapping serve changes of meshes there too.
+// Source: names and attributes are SOFA's. Its quads swap corners 2 and 3. In SOFA the lists of SubsetTopologicalMapping also follow
+// changes of the mesh.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">

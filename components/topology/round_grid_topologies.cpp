@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Grids of hexahedra in a cylinder and in a sphere: those of a box whose nodes are drawn in towards the axis or the middle.
+// Grids of hexahedra in a cylinder and in a sphere: those of a box whose nodes are moved towards the axis or the centre.
 //
 //   CylinderGridTopology: p = (x, y) of a square from -radius to radius, times max(|x|, |y|) / |p|; z from 0 to length
 //   SphereGridTopology: p = (x, y, z) of a cube from -radius to radius, times max(|x|, |y|, |z|) / |p|
 //
-// `axis` is z of the grid and `center` its origin: the middle of the first layer of a cylinder, the middle of a sphere. x of the
-// grid is that of the scene as far as it is normal to the axis, and y follows; where the axis is x, x of the grid is y.
-// Nodes and cells are in the order of RegularGridTopology. The corners of the square lie on the circle too, so that the cells
-// there are flat at one edge; nz = 1 is a disc of quads. Faces and edges of the grid are made where computeTriangleList and
-// computeEdgeList are written: quads in the order of RegularGridTopology, two triangles of each, and the edges of these.
+// `axis` is the z axis of the grid, and `center` its origin: the centre of the first layer of a cylinder, or of the sphere. The x axis of
+// the grid is that of the scene made normal to `axis`, or y of the scene if `axis` is x. Nodes and cells are in the order of
+// RegularGridTopology. The corners of the square also lie on the circle, so that the cells there are flat at one edge. With nz = 1 the
+// grid is a disc of quads. computeTriangleList and computeEdgeList add faces and edges: quads in the order of RegularGridTopology, two
+// triangles in each, and the edges of these.
 //
 // Source: names, attributes and places are SOFA's.
 //

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// SparseGridMultipleTopology: the cells of one box that lie in several closed surfaces of different materials, or that these go
-// through.
+// SparseGridMultipleTopology: the cells of a box that are inside, or cut by, several closed surfaces with different materials.
 //
-// Surfaces are position1, triangles1, quads1, position2, ... (at most eight). Box, cells, nodes and their order are those of
-// SparseGridTopology for all surfaces together. Each has a factor s on the stiffness (stiffnessCoefs) and one on the mass
-// (massCoefs), 1 where none is given. In the order of the surfaces a cell of the finest level
+// The surfaces are position1, triangles1, quads1, position2, ... (at most eight). Box, cells, nodes and their order are those of
+// SparseGridTopology for all surfaces together. Each surface has a factor s on the stiffness (stiffnessCoefs) and one on the mass
+// (massCoefs), by default 1. The surfaces are applied in their order. A cell of the finest level gets
 //
-//   takes s, where it lies inside of the surface (or on its border with fillWeighted="false"),
-//   takes (f + s)/2, where it lies on its border; f is the factor that it had, 0 in the beginning. With erasePreviousCoef: s
+//   s                if it is inside the surface (or on its border, with fillWeighted="false")
+//   (f + s)/2        if it is on its border, where f is its previous factor, 0 at first. With erasePreviousCoef: s
 //
-// and it lies inside when it does so of one surface. Coarser cells have the means of their eight. cellFactors and partFactors are
-// those of the stiffness, massFactors and partMassFactors those of the mass. With computeRamifications a cell has a copy for each
-// part of the bodies in it that does not hang together, as in SparseGridRamificationTopology; cells with a side in common do.
+// A cell counts as inside if it is inside one of the surfaces. Coarser cells have the mean of their eight. cellFactors and partFactors are
+// those of the stiffness, massFactors and partMassFactors those of the mass. With computeRamifications a cell has a copy for each connected
+// part of the bodies in it, as in SparseGridRamificationTopology, but all cells with a common side are connected.
 //
 // Source: names, attributes and rules are SOFA's.
 //

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// SparseGridTopology: the cells of a box that lie in a closed surface, or that the surface goes through.
+// SparseGridTopology: the cells of a box that are inside a closed surface or cut by it.
 //
-// The box (min, max; that of the surface grown by 1 % on each side when both are zero) has n nodes along its axes, or cells of
-// the size cellWidth. A cell that a triangle of the surface meets is a BORDER cell; one that is reached from outside of the
-// box without crossing border cells lies OUTSIDE; all others lie INSIDE. Hexahedra: border cells in the order of the grid, then
-// inside cells (those alone with onlyInsideCells). Nodes: the corners in use, ascending in x, then y, then z.
+// The box (min, max; if both are zero, the bounding box of the surface enlarged by 1 % on each side) has n nodes along its axes, or cells
+// of size cellWidth. A cell that meets a triangle of the surface is a BORDER cell. A cell that can be reached from outside the box without
+// crossing border cells is OUTSIDE. All others are INSIDE. Hexahedra: border cells in the order of the grid, then inside cells (with
+// onlyInsideCells only these). Nodes: the corners in use, ascending in x, then y, then z.
 //
-// cellFactors is how much of a cell the body fills, 1 inside and 0.5 on the border; with fillWeighted="false" 1. As
-// localStiffnessFactor="@grid.cellFactors" of a force field it makes the border softer. With nbVirtualFinerLevels k the surface
-// is looked at on a grid that is 2^k times as fine: a cell lies inside when all of its fine cells do, is on the border when some
-// do or are cut, and its factor is the mean of theirs. partFactors are those of the 8^partLevels parts of each cell, x fastest, for
-// NonUniformHexahedronFEMForceField: with partLevels="0" the same as cellFactors.
+// cellFactors is the filled part of each cell: 1 inside and 0.5 on the border, or 1 with fillWeighted="false". As
+// localStiffnessFactor="@grid.cellFactors" of a force field it makes the border softer. nbVirtualFinerLevels = k classifies the cells of a
+// grid that is 2^k times as fine: a cell is inside if all of its fine cells are, and on the border if some are inside or cut. Its factor is
+// the mean of theirs. partFactors has the factors of the 8^partLevels parts of each cell, x fastest, for NonUniformHexahedronFEMForceField;
+// with partLevels="0" they are cellFactors.
 //
-// SparseGridRamificationTopology does not join what lies side by side in one cell, as two fingers. Fine cells are neighbours when
-// they have a side in common and, with finestConnectivity, one of them lies inside or a triangle meets both. A cell has a copy for
-// each group of its fine cells that are neighbours, with nodes of its own, and copies share nodes where fine cells of both are
-// neighbours. Nodes of equal places follow each other.
+// SparseGridRamificationTopology keeps parts of the body apart that are side by side in one cell, such as two fingers. Fine cells are
+// neighbours if they share a side and, with finestConnectivity, one of them is inside or a triangle meets both. A cell has a copy with its
+// own nodes for each group of its fine cells that are connected. Copies share nodes where fine cells of both are neighbours. Nodes at the
+// same place are consecutive.
 //
 // Source: M. Nesme, Y. Payan, F. Faure: Animating shapes at arbitrary resolution with non-uniform stiffness (2006); names,
 // attributes and the order of cells and nodes are SOFA's. Boxes and triangles: T. Akenine-Moller 2001.

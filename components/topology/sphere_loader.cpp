@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Reads spheres from a text: a first line "sph 1.0", lines "nums COUNT", which tell how many there are, and lines "sphe NUMBER
-// x y z r"; # starts a comment. Other lines are skipped with a warning, as in SOFA. Centres are scaled, turned and moved as by
-// the mesh loaders; radii are scaled by the first factor.
+// Reads spheres from a text file: a first line "sph 1.0", lines "nums COUNT" with their number, and lines "sphe NUMBER x y z r". # starts a
+// comment. Other lines are skipped with a warning, as in SOFA. Centres are scaled, rotated and translated as by the mesh loaders. Radii are
+// scaled by the first factor.
 //
 // Source: the format, names and attributes are SOFA's.
 //

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// SimpleTesselatedHexaTopologicalMapping: each hexahedron of the input cut into eight.
+// SimpleTesselatedHexaTopologicalMapping: cuts each hexahedron of the input into eight.
 //
-// The nodes are those of the input, and then, one cell after the other, those that are new: the middles of its edges, the middles
-// of its faces, and its own. In the corners 0 to 7 of a cell, VTK's, the edges are 01 12 32 03 04 15 26 37 45 56 76 47, the faces
-// 0123 0154 1265 3267 0374 4567; part k is at corner k. Mesh2PointMechanicalMapping carries a state in the same way.
+// The nodes are those of the input, followed by the new ones of each cell in turn: the middles of its edges, of its faces, and its centre.
+// With corners 0 to 7 in VTK's order, the edges are 01 12 32 03 04 15 26 37 45 56 76 47 and the faces 0123 0154 1265 3267 0374 4567. Part k
+// is at corner k. Mesh2PointMechanicalMapping maps a state in the same way.
 //
-// Source: the name and the order are SOFA's. There an edge that two cells name in opposite directions has two middles.
+// Source: the name and the order are SOFA's. In SOFA an edge that two cells name in opposite directions has two middles.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Meshes made of the parts of another one: nodes are the same and keep their numbers.
+// Meshes made of the parts of another mesh. Nodes are the same and keep their numbers.
 //
-// Tetra2TriangleTopologicalMapping: the faces that belong to a single tetrahedron, turned outward (flipNormals: inward).
-// Hexa2QuadTopologicalMapping: the same of hexahedra.
-// Triangle2EdgeTopologicalMapping: the edges of a single triangle, the border of a surface.
-// Quad2TriangleTopologicalMapping: two triangles a quad. Quad q of a grid of nx by ny cells is cut along the diagonal of
-//   its corners 1 and 3, (0 1 3)(2 3 1), where one of q mod nx and q / nx is odd and swapping is on, else along 0 and 2,
+// Tetra2TriangleTopologicalMapping: the faces of only one tetrahedron, oriented outward (flipNormals: inward).
+// Hexa2QuadTopologicalMapping: the same for hexahedra.
+// Triangle2EdgeTopologicalMapping: the edges of only one triangle, the border of a surface.
+// Quad2TriangleTopologicalMapping: two triangles per quad. Quad q of a grid of nx by ny cells is cut along the diagonal of
+//   its corners 1 and 3, (0 1 3)(2 3 1), if swapping is on and one of q mod nx and q / nx is odd. Otherwise it is cut along 0 and 2,
 //   (1 2 0)(3 0 2). Without a grid nx is 2.
 // IdentityTopologicalMapping: all cells.
-// Faces stand in the order of the cells that have them.
+// Faces are in the order of their cells.
 //
-// The mesh goes to the container named by `output`; without one the mapping itself is the topology of its node.
+// The mesh goes to the container named by `output`. Without one, the mapping itself is the topology of its node.
 //
 // Source: the names, attributes and diagonals are SOFA's.
 //

@@ -4,13 +4,16 @@
 
   picture_costs.py STROMA                 a table of all examples, and of a surface with 100,000 triangles
   picture_costs.py STROMA -n 20 --turns 5
+  picture_costs.py STROMA --chromium      processor time of VTK and of headless Chromium for a picture of the same recorded states
 
 The columns are seconds of `stroma run SCENE -n STEPS`, of `stroma picture SCENE -n STEPS`, of the same with --animate (a frame
-for each of 25 instants), and the size of the picture.
+for each of 25 instants), and the size of the picture. --chromium draws the page of `stroma view --export` by software.
 """
 import argparse
+import ctypes
 import glob
 import os
+import resource
 import statistics
 import subprocess
 import tempfile
@@ -41,15 +44,55 @@ def row(stroma, folder, scene, steps, turns):
     print(f"| {name} | {run:.2f} | {picture:.2f} | {picture - run:+.2f} | {film:.2f} | {sizes[0]:.0f} | {sizes[1]:.0f} |", flush=True)
 
 
+def processor_seconds(folder, *command):
+    """Of a command and of all that it starts: this process inherits those that are left behind, and waits for them."""
+    def used():
+        usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return usage.ru_utime + usage.ru_stime
+    before = used()
+    subprocess.run(command, cwd=folder, check=True, capture_output=True)
+    try:
+        while True:
+            os.waitpid(-1, 0)
+    except ChildProcessError:
+        return used() - before
+
+
+def compare_renderers(stroma, tree, steps, turns):
+    become_subreaper = 36  # of prctl(2)
+    ctypes.CDLL(None).prctl(become_subreaper, 1, 0, 0, 0)
+    print("| scene | stroma picture [s] | Chromium [s] |\n|---|---|---|")
+    for name in ("organ", "contact_tool", "cantilever"):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = os.path.join(tree, "scenes", "examples", name + ".xml")
+            subprocess.run([stroma, "run", os.path.abspath(scene), "-n", str(steps), "--record", "states", "--quiet"], cwd=folder, check=True,
+                           capture_output=True)
+            subprocess.run([stroma, "view", "states", "--export", "page.html", "--every", str(steps), "--quiet"], cwd=folder, check=True,
+                           capture_output=True)
+            vtk, browser = [], []
+            for turn in range(turns):
+                vtk.append(processor_seconds(folder, stroma, "picture", "states", "-o", "vtk.png", "--quiet"))
+                browser.append(processor_seconds(
+                    folder, "chromium", "--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
+                    "--enable-unsafe-swiftshader", f"--user-data-dir={folder}/profile{turn}", "--no-first-run", "--disable-extensions",
+                    "--window-size=1280,800", "--timeout=3000", f"--screenshot={folder}/browser.png", f"file://{folder}/page.html"))
+                if not os.path.isfile(os.path.join(folder, "browser.png")):
+                    raise SystemExit("Chromium has drawn nothing")
+            print(f"| {name} | {min(vtk):.1f} | {min(browser):.1f} |", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("stroma", help="the command")
     parser.add_argument("-n", "--steps", type=int, default=25)
     parser.add_argument("--turns", type=int, default=3)
+    parser.add_argument("--chromium", action="store_true", help="compare the renderers instead")
     arguments = parser.parse_args()
     stroma = os.path.abspath(arguments.stroma)
     tree = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
     print(f"load {os.getloadavg()[0]:.1f}\n")
+    if arguments.chromium:
+        return compare_renderers(stroma, tree, arguments.steps, arguments.turns)
     print("| scene | run [s] | picture [s] | difference [s] | film [s] | picture [kB] | film [kB] |\n|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
         for scene in sorted(glob.glob(os.path.join(tree, "scenes", "examples", "*.xml"))):

@@ -15,8 +15,11 @@ LOG = """# ninja log v5
 """
 
 
-def said_of(tool, log, *options):
+def said_of(tool, log, *options, plan=None):
     with tempfile.TemporaryDirectory() as folder:
+        if plan is not None:
+            with open(os.path.join(folder, "build.ninja"), "w") as file:
+                file.write(plan)
         if log is not None:
             with open(os.path.join(folder, ".ninja_log"), "w") as file:
                 file.write(log)
@@ -34,6 +37,8 @@ def main():
     assert ["sum", "3", "8.0"] in rows, out  # what is linked is no unit
     assert ["4.0", "components/loads/CMakeFiles/loads.dir/b.cpp.o"] in rows, out
     assert any(row[0] == "framework" and len(row) == 2 and int(row[1]) > 1000 for row in rows if row), out
+    out = said_of(tool, LOG, plan="build framework/CMakeFiles/stroma.dir/a.cpp.o: CXX ../a.cpp\n")[1]
+    assert ["sum", "1", "2.5"] in [line.split() for line in out.splitlines()], out  # the others are built no more
     assert said_of(tool, LOG, "--limit", "4")[0] == 0
     code, out, err = said_of(tool, LOG, "--limit", "3.9")
     assert code == 1 and "b.cpp.o took 4.0 s, longer than 3.9 s" in err, err
