@@ -2,23 +2,18 @@
 // AutomaticLinearSolver: A x = b by factors or by conjugate gradients with multigrid, whichever costs less. It is what an
 // integrator of statics gets when its scene names no linear solver. A matrix that is not symmetric gets GMRES (Saad, Schultz
 // 1986) instead of conjugate gradients, with multigrid of its symmetric part: what is not symmetric in a tangent is small where
-// strains are. Both go on while light rows are left, see CGLinearSolver.
+// strains are. Both go on while light rows are left, see CGLinearSolver. Bodies that are nearly incompressible by a mean dilatation
+// get GMRES for displacements and pressures together where that costs less (mixed_solve.h).
 //
-// With w h nodes in a cross-section and l / w the slenderness of a body of n nodes, its factors take
-//
-//   135 (w h)^3 l / w flops   and   81 (w h)^2 l / w numbers,
-//
-// the laws of nested dissection with factors from cubes, and in flat bodies 1 + 2.4 (1 - h / w) and 1 + 0.7 ln(w / h) times as much. A
-// hierarchy and its iterations take a time in proportion to the blocks and rows of the matrix. l, w and h come from the second moments of
-// the nodes. Both times are estimated from counts, for a core of 115 Gflop/s in single precision: no clock is read, and each run chooses
-// the same on every machine and with every number of threads. Where forces are not linear, both are those of six solves, which multigrid
-// makes loosely. Factors then serve later matrices too, turned with the body (WarpPreconditioner), where iterations with them are
-// estimated to cost less than factors of each. Bodies below 500 nodes are always factored, each matrix. A solve by multigrid that goes on
-// for longer than factors would have taken (a Poisson's ratio near 1/2 with cells that lock, badly shaped cells) is ended, and the matrix
-// is factored from then on, if factors fit into half of the memory. So it is where solves of Newton's method have taken so many iterations
-// that factors would have paid. With multigrid a symmetric solve begins at the combination of the last four solutions that is nearest in
-// energy (former_solutions.h), where that leaves less than half of the residual. `choice` says what was chosen and why. See
-// SparseLDLSolver, MultigridPreconditioner and PCGLinearSolver for the methods.
+// Costs are estimated from counts (solver_costs.h), for a core of 115 Gflop/s in single precision: no clock is read, and each run
+// chooses the same on every machine and with every number of threads. Where forces are not linear, they are those of six solves, which
+// multigrid makes loosely. Factors then serve later matrices too, turned with the body (WarpPreconditioner), where iterations with them
+// are estimated to cost less than factors of each. Bodies below 500 nodes are always factored, each matrix. A solve by multigrid that
+// goes on for longer than factors would have taken (a Poisson's ratio near 1/2 with cells that lock, badly shaped cells) is ended, and
+// the matrix is factored from then on, if factors fit into half of the memory. So it is where solves of Newton's method have taken so
+// many iterations that factors would have paid. With multigrid a symmetric solve begins at the combination of the last four solutions
+// that is nearest in energy (former_solutions.h), where that leaves less than half of the residual. `choice` says what was chosen and
+// why. See SparseLDLSolver, MultigridPreconditioner and PCGLinearSolver for the methods.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -39,11 +34,12 @@
 
 #include "components/iterative_solvers/equilibrium_choice.h"
 #include "components/iterative_solvers/former_solutions.h"
-#include "components/iterative_solvers/gmres.h"
 #include "components/iterative_solvers/krylov_solver.h"
 #include "components/iterative_solvers/light_rows.h"
+#include "components/iterative_solvers/mixed_solve.h"
 #include "components/iterative_solvers/multigrid.h"
-#include "components/iterative_solvers/row_scales.h"
+#include "components/iterative_solvers/scaled_gmres.h"
+#include "components/iterative_solvers/scene_volumes.h"
 #include "components/iterative_solvers/solver_costs.h"
 #include "components/iterative_solvers/warped_factor.h"
 #include "framework/algebra/solver_choice.h"
@@ -59,7 +55,7 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   void init() override;
   void reset() override {
     kept_.forEach([](Kept& kept) {
-      kept.inverse.reset(), kept.former.reset(), kept.now = {};
+      kept.inverse.reset(), kept.former.reset(), kept.mixed.reset(), kept.now = {};
       if (kept.turned) kept.turned->reset();
     });
     if (own_factors_) own_factors_->reset();
@@ -82,13 +78,12 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
     bool symmetric = true;   ///< the matrix solved last
     SolverCosts costs;       ///< by which it was chosen
     Multigrid inverse;
+    MixedSolve mixed;
     std::unique_ptr<WarpedFactor> turned;  ///< null: not needed so far
     cg::Directions work;
     LightRows light;
     cg::FormerSolutions former;
-    gmres::Space space;  ///< of matrices that are not symmetric
-    RowScales scales;
-    Vector unscaled, right_side;  ///< where there are scales
+    ScaledGmres scaled;  ///< of matrices that are not symmetric
   };
   Kept& keptFor(SystemMatrix& matrix);
   /// That of the scene; else one that is made when it is first wanted: its module is not opened for multigrid.
@@ -111,6 +106,7 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   SolveReport minimalResiduals(const SystemMatrix& matrix, ConstRows b, Rows x, int most, Kept& kept);
   bool iterateWithFactors(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept, SolveReport& report);
   SolveReport solveByFactors(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept);
+  bool solveMixed(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept, SolveReport& report);
   WarpedFactor& turned(Kept& kept) {
     if (!kept.turned) kept.turned = std::make_unique<WarpedFactor>(factors());
     return *kept.turned;
@@ -152,13 +148,17 @@ AutomaticLinearSolver::Kept& AutomaticLinearSolver::keptFor(SystemMatrix& matrix
 void AutomaticLinearSolver::chooseFor(SystemMatrix& matrix, Kept& kept) {
   kept.symmetric = matrix.symmetric();
   const Index most = direct_ ? direct_->mostRows() : std::numeric_limits<Index>::max();
-  kept.now = chooseFirst(matrix, most, matrixDependsOnState(node().root()), kept.costs, kept.reason);
+  const bool varies = matrixDependsOnState(node().root());
+  kept.now = chooseFirst(matrix, most, varies, kept.costs, kept.reason);
+  considerPressures(matrix, node().root(), varies, kept.costs, kept.now, kept.reason);
   if (kept.now.way == Way::factors) factors();
   tellChoice(kept);
 }
 
 void AutomaticLinearSolver::tellChoice(const Kept& kept) {
-  if (kept.now.way == Way::factors)
+  if (kept.now.is_mixed)
+    choice_ = "GMRES for displacements and pressures: " + kept.reason;
+  else if (kept.now.way == Way::factors)
     choice_ = kept.now.ofFactors(direct_->type(), kept.reason);
   else
     choice_ = fmt::format("{} with multigrid: {}", kept.symmetric ? "conjugate gradients" : "GMRES", kept.reason);
@@ -214,34 +214,12 @@ SolveReport AutomaticLinearSolver::conjugateGradients(const SystemMatrix& matrix
   return report;
 }
 
-/// Where rows turn, of S A x = S b with the scales S of the rows.
 SolveReport AutomaticLinearSolver::minimalResiduals(const SystemMatrix& matrix, ConstRows b, Rows x, int most, Kept& kept) {
-  kept.scales.take(matrix);
-  const bool is_scaled = !kept.scales.empty();
-  for (Vector* vector : {&kept.unscaled, &kept.right_side})
-    if (is_scaled && vector->count() != b.count) vector->resize(b.count);
-  const auto multiply = [&](ConstRows p, Rows out) {
-    product(matrix, p, out);
-    kept.scales.multiply(out);
-  };
-  const auto precondition = [&](ConstRows r, Rows z) {
-    if (!is_scaled) return kept.inverse.apply(r, z);
-    copy(r, kept.unscaled);
-    kept.scales.divide(kept.unscaled);
-    kept.inverse.apply(kept.unscaled, z);
-  };
-  ConstRows right_side = b;
-  if (is_scaled) {
-    copy(b, kept.right_side);
-    kept.scales.multiply(kept.right_side);
-    right_side = kept.right_side;
-    norm_b_ = norm(right_side);
-  }
+  const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
+  const auto precondition = [&](ConstRows r, Rows z) { kept.inverse.apply(r, z); };
   const auto note = [&](double residual) { record(residual / norm_b_); };
-  kept.space.resize(b.count);
-  const auto solve = [&](auto limits) { return gmres::solve(multiply, precondition, note, limits, right_side, kept.space, x); };
-  const auto left = [&] { return kept.scales.divide(kept.space.basis[0]); };
-  SolveReport report = kept.light.solveAll(matrix, {most, target(), terms_.stop}, relativeTarget(terms_), solve, left, x);
+  SolveReport report = kept.scaled.solve(matrix, multiply, precondition, note, kept.light, {most, 0, terms_.stop}, relativeTarget(terms_),
+                                         b, x, norm_b_);
   report.relative_residual /= norm_b_;
   return report;
 }
@@ -308,6 +286,26 @@ SolveReport AutomaticLinearSolver::solveByFactors(SystemMatrix& matrix, ConstRow
   return again;
 }
 
+bool AutomaticLinearSolver::solveMixed(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept,
+                                       SolveReport& report) {
+  constexpr int most = 150;
+  expected_iterations_ = 2 * most_expected_;
+  if (!begin(matrix, b, x, terms, report)) return true;
+  if (kept.mixed.isOf(matrix) || kept.mixed.follow(matrix, stiffVolumesOf(matrix, node().root()), factors(), report, terms.stop)) {
+    const auto note = [&](double residual) { record(residual / norm_b_); };
+    const cg::Limits limits{std::min(iterations_, most), target(), terms.stop};
+    report = kept.mixed.solve([&](ConstRows p, Rows out) { product(matrix, p, out); }, note, limits, b, x);
+    report.relative_residual /= norm_b_;
+    if (isOver(report.stop) || (report.stop == SolveStop::stagnated && report.relative_residual <= 2 * roundOff(matrix, b, x))) return true;
+  } else if (report.stop == SolveStop::stopped) {
+    report.relative_residual = 1;
+    return true;
+  }
+  kept.now.is_mixed = false, kept.mixed.reset();
+  tellChoice(kept), clear(x);
+  return false;
+}
+
 void AutomaticLinearSolver::changeToFactors(Kept& kept) {
   kept.now.way = Way::factors;
   kept.inverse.reset(), kept.former.reset();
@@ -317,6 +315,8 @@ void AutomaticLinearSolver::changeToFactors(Kept& kept) {
 
 SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   Kept& kept = keptFor(matrix);
+  SolveReport mixed;
+  if (kept.now.is_mixed && solveMixed(matrix, b, x, terms, kept, mixed)) return mixed;
   if (std::exchange(kept.now.is_close, false) && amg::hardlySmooths(matrix.assemble())) {
     kept.now.is_rough = true;
     changeToFactors(kept);

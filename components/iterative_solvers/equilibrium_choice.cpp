@@ -9,10 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "components/iterative_solvers/mixed_solve.h"
+#include "components/iterative_solvers/scene_volumes.h"
+
 namespace stroma {
 namespace {
 
-constexpr Index always_factored = 500;  // nodes
 constexpr int usual_solves = 6;         // by Newton's method
 
 /// Whether the laws of factors might choose wrongly.
@@ -28,7 +30,7 @@ EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool de
   EquilibriumChoice choice{.way = EquilibriumChoice::Way::factors};
   const Index rows = matrix.rows();
   reason = fmt::format("{} nodes are few", rows);
-  if (rows < always_factored) return choice;
+  if (rows < EquilibriumChoice::always_factored) return choice;
   const Extents extents = extentsOf(rows, matrix.positions());
   const auto costsOf = [&](const FactorCounts& counts) {
     return solverCosts(matrix, counts, depends_on_state ? usual_solves : 1);
@@ -45,6 +47,16 @@ EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool de
   choice.patience = costs.patience();
   choice.is_close = costs.direct < IterationCosts::with_patches * costs.multigrid;
   return choice;
+}
+
+void considerPressures(SystemMatrix& matrix, const Node& root, bool depends_on_state, const SolverCosts& costs, EquilibriumChoice& choice,
+                       std::string& reason) {
+  if (matrix.rows() < EquilibriumChoice::always_factored) return;
+  const VolumeTerms volumes = stiffVolumesOf(matrix, root);
+  if (volumes.count() == 0) return;
+  const double mixed = MixedSolve::seconds(matrix, volumes, depends_on_state ? usual_solves : 1, depends_on_state);
+  choice.is_mixed = mixed < std::min(costs.direct, IterationCosts::with_patches * costs.multigrid);
+  reason += fmt::format(", {:.2g} s with pressures", mixed);
 }
 
 double roundOff(const SystemMatrix& matrix, ConstRows b, ConstRows x) {
@@ -109,6 +121,7 @@ void EquilibriumChoice::serialize(Archive& archive) {
   archive.value("strict", is_strict);
   archive.value("strict_failures", strict_failures);
   archive.value("was_definite", was_definite);
+  archive.value("is_mixed", is_mixed);
 }
 
 }  // namespace stroma

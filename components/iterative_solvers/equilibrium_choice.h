@@ -10,6 +10,8 @@
 
 namespace stroma {
 
+class Node;
+
 /// What factors that serve later matrices have cost, and what factors of each matrix would have [s]. Iterations are tried for as long
 /// as all matrices together, this one factored after them, cost no more than `worth` times as much as factors of each: so a body whose
 /// matrices former factors do not serve loses little.
@@ -37,6 +39,7 @@ inline bool isOver(SolveStop stop) {
 struct EquilibriumChoice {
   enum class Way : int { open, factors, multigrid };
 
+  static constexpr Index always_factored = 500;  ///< nodes
   Way way = Way::open;
   int patience = 0;            ///< iterations of a solve by multigrid
   bool is_close = false;       ///< factors cost less where diagonal blocks hardly smooth, which the first solve finds out
@@ -52,6 +55,7 @@ struct EquilibriumChoice {
   bool is_strict = false;      ///< loose solves have led to where the matrix is not definite
   int strict_failures = 0;     ///< strict ones have done so too
   bool was_definite = false;   ///< the matrix solved before
+  bool is_mixed = false;       ///< pressures are unknowns too, see mixed_solve.h; `way` is for where that does not serve
 
   /// The most that a strict solve leaves of |b|.
   static constexpr double strict = 0.01;
@@ -83,6 +87,10 @@ struct EquilibriumChoice {
 /// The first choice for a matrix, by estimates from its counts; `costs` are theirs, `reason` says them in words. Factors are for
 /// `most_factored` rows at most, and serve later matrices only where these change with the state.
 EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool depends_on_state, SolverCosts& costs, std::string& reason);
+
+/// Whether pressures are to be unknowns too, see mixed_solve.h and stiffVolumesOf().
+void considerPressures(SystemMatrix& matrix, const Node& root, bool depends_on_state, const SolverCosts& costs, EquilibriumChoice& choice,
+                       std::string& reason);
 
 /// The |b - A x| / |b| that round-off leaves, whatever solves: that of D x, D the diagonal blocks.
 double roundOff(const SystemMatrix& matrix, ConstRows b, ConstRows x);
