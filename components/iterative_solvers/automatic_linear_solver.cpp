@@ -148,9 +148,7 @@ AutomaticLinearSolver::Kept& AutomaticLinearSolver::keptFor(SystemMatrix& matrix
 void AutomaticLinearSolver::chooseFor(SystemMatrix& matrix, Kept& kept) {
   kept.symmetric = matrix.symmetric();
   const Index most = direct_ ? direct_->mostRows() : std::numeric_limits<Index>::max();
-  const bool varies = matrixDependsOnState(node().root());
-  kept.now = chooseFirst(matrix, most, varies, kept.costs, kept.reason);
-  considerPressures(matrix, node().root(), varies, kept.costs, kept.now, kept.reason);
+  kept.now = chooseFirst(matrix, most, matrixDependsOnState(node().root()), kept.costs, kept.reason);
   if (kept.now.way == Way::factors) factors();
   tellChoice(kept);
 }
@@ -316,6 +314,8 @@ void AutomaticLinearSolver::changeToFactors(Kept& kept) {
 SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   Kept& kept = keptFor(matrix);
   SolveReport mixed;
+  if (std::exchange(kept.now.asks_volumes, false))
+    considerPressures(matrix, node().root(), matrixDependsOnState(node().root()), kept.costs, kept.now, kept.reason), tellChoice(kept);
   if (kept.now.is_mixed && solveMixed(matrix, b, x, terms, kept, mixed)) return mixed;
   if (std::exchange(kept.now.is_close, false) && amg::hardlySmooths(matrix.assemble())) {
     kept.now.is_rough = true;

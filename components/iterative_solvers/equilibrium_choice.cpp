@@ -55,7 +55,7 @@ void considerPressures(SystemMatrix& matrix, const Node& root, bool depends_on_s
   const VolumeTerms volumes = stiffVolumesOf(matrix, root);
   if (volumes.count() == 0) return;
   const double mixed = MixedSolve::seconds(matrix, volumes, depends_on_state ? usual_solves : 1, depends_on_state);
-  choice.is_mixed = mixed < std::min(costs.direct, IterationCosts::with_patches * costs.multigrid);
+  choice.is_mixed = mixed < costs.direct;  // from 9,000 nodes on patches take more in any case
   reason += fmt::format(", {:.2g} s with pressures", mixed);
 }
 
@@ -121,6 +121,7 @@ void EquilibriumChoice::serialize(Archive& archive) {
   archive.value("strict", is_strict);
   archive.value("strict_failures", strict_failures);
   archive.value("was_definite", was_definite);
+  archive.value("asks_volumes", asks_volumes);
   archive.value("is_mixed", is_mixed);
 }
 

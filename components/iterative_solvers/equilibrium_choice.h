@@ -55,6 +55,7 @@ struct EquilibriumChoice {
   bool is_strict = false;      ///< loose solves have led to where the matrix is not definite
   int strict_failures = 0;     ///< strict ones have done so too
   bool was_definite = false;   ///< the matrix solved before
+  bool asks_volumes = true;    ///< the first solve has to ask whether pressures are to be unknowns: it knows the values
   bool is_mixed = false;       ///< pressures are unknowns too, see mixed_solve.h; `way` is for where that does not serve
 
   /// The most that a strict solve leaves of |b|.
