@@ -139,6 +139,7 @@ void Friction::serialize(Archive& archive) {
 void Friction::hold(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) {
   if (!std::exchange(looks_, false)) return;
   for (Slide& slide : slides) {
+    if (slide.force <= 0) continue;  // a spring of negative stiffness has a potential without bound
     if (knows_stuck_) {
       const auto stuck = stuck_.find(placeOf(slide));
       if (stuck != stuck_.end()) slide.held = true, slide.hold = 2 - stuck->second;

@@ -18,6 +18,7 @@ struct FactorMemory {
   int waiting = 0;          ///< so many matrices more are factored in double precision
   int penalty = 0;          ///< so many were, the last time
   double lost = 0;          ///< seconds that iterations with these values have taken longer than factors in double precision
+  double saved = 0;         ///< seconds that single precision has saved with the matrices before, less what it lost
 };
 
 class SupernodalAnalysis;

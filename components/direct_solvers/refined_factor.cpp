@@ -82,11 +82,17 @@ void RefinedFactor::load(const BlockMatrix& matrix) {
   remember();
 }
 
-/// That the loaded values are others than those of the last matrix.
+/// That the loaded values are others than those of the last matrix. What is saved counts for some matrices only: a run whose solves have
+/// become more is not to lose for long.
 void RefinedFactor::remember() {
+  constexpr double most_saved = 4;  // matrices
   FactorMemory& now = memory();
   if (loaded_ == now.values) return;
-  if (!now.is_double && now.lost <= secondsSaved()) now.penalty = 0;
+  if (!now.is_double && now.values != 0) {
+    now.saved = std::clamp(now.saved + secondsSaved() - now.lost, 0.0, most_saved * secondsSaved());
+    if (now.lost <= secondsSaved()) now.penalty = 0;
+  }
+  if (now.is_double) now.saved = 0;
   now.values = loaded_, now.lost = 0;
   now.is_double = now.waiting > 0;
   now.waiting = std::max(0, now.waiting - 1);
@@ -294,9 +300,10 @@ bool RefinedFactor::solve(std::span<const ConstRows> b, std::span<const Rows> x,
 /// `seconds`: longer than with factors in double precision.
 void RefinedFactor::noteSolved(double seconds) {
   FactorMemory& now = memory();
-  const bool paid = now.lost <= secondsSaved();
+  const double all_saved = secondsSaved() + now.saved;
+  const bool paid = now.lost <= all_saved;
   now.lost += std::max(0.0, seconds);
-  if (paid && now.lost > secondsSaved()) waitLonger();
+  if (paid && now.lost > all_saved) waitLonger();
   now.is_double = now.lost > secondsInDouble(*this);  // from the next one on
 }
 

@@ -120,6 +120,7 @@ void SparseLDLSolver::serializeFor(SystemMatrix& matrix, Archive& archive) {
   archive.value("precision_waiting", now.waiting);
   archive.value("precision_penalty", now.penalty);
   archive.value("precision_lost", now.lost);
+  archive.value("precision_saved", now.saved);
 }
 
 /// Formats only when something has changed.

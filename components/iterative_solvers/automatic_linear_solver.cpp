@@ -166,10 +166,10 @@ void AutomaticLinearSolver::tellChoice(const Kept& kept) {
 
 SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
                                            Kept& kept) {
-  constexpr int few_iterations = 8;  // of a loose solve
-  expected_iterations_ = terms.relative_residual > tolerance() ? std::min(few_iterations, most_expected_) : most_expected_;
   SolveTerms own = terms;
   if (kept.now.is_strict) own.relative_residual = std::min(terms.relative_residual, EquilibriumChoice::strict);
+  const bool is_loose = terms.relative_residual > tolerance();
+  expected_iterations_ = std::min(kept.now.expectedIterations(relativeTarget(own), is_loose, most_expected_), iterations_);
   SolveReport report;
   if (!begin(matrix, b, x, own, report)) return report;
   if (!kept.inverse.follow(matrix, report, terms.stop)) {
@@ -179,7 +179,7 @@ SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Ro
   const int most = std::min(iterations_, patienceOf(kept));
   double began = 1;
   report = kept.symmetric ? conjugateGradients(matrix, b, x, most, kept, began) : minimalResiduals(matrix, b, x, most, kept);
-  if (report.stop != SolveStop::stopped) kept.inverse.solved(report, began);
+  if (report.stop != SolveStop::stopped) kept.inverse.solved(report, began), kept.now.noteRate(report, began);
   kept.now.noteDefinite(report);
   return report;
 }

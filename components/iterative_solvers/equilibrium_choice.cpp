@@ -76,6 +76,19 @@ void EquilibriumChoice::noteDefinite(const SolveReport& report) {
   is_strict = strict_failures < most_failures;
 }
 
+int EquilibriumChoice::expectedIterations(double target, bool is_loose, int usual) const {
+  constexpr int few = 8;
+  constexpr double most = 1e6;
+  if (rate == 0) return is_loose ? std::min(few, usual) : usual;
+  return int(std::clamp(std::ceil(-rate * std::log10(target)), 1.0, most));
+}
+
+void EquilibriumChoice::noteRate(const SolveReport& report, double began) {
+  constexpr double least_gain = 0.5;  // decades
+  if (report.iterations == 0 || !report.usable()) return;
+  rate = report.iterations / std::max(least_gain, std::log10(began / std::max(report.relative_residual, 1e-16)));
+}
+
 bool EquilibriumChoice::isDear(const SolverCosts& costs, int iterations, bool has_patches, bool made) {
   constexpr double worth_changing = 1.15, of_patches = 2;
   if (!keeps_factors) return false;
@@ -123,6 +136,7 @@ void EquilibriumChoice::serialize(Archive& archive) {
   archive.value("was_definite", was_definite);
   archive.value("asks_volumes", asks_volumes);
   archive.value("is_mixed", is_mixed);
+  archive.value("multigrid_rate", rate);
 }
 
 }  // namespace stroma

@@ -57,6 +57,7 @@ struct EquilibriumChoice {
   bool was_definite = false;   ///< the matrix solved before
   bool asks_volumes = true;    ///< the first solve has to ask whether pressures are to be unknowns: it knows the values
   bool is_mixed = false;       ///< pressures are unknowns too, see mixed_solve.h; `way` is for where that does not serve
+  double rate = 0;             ///< iterations by multigrid for a decade of the residual, in the last solve; 0: not known
 
   /// The most that a strict solve leaves of |b|.
   static constexpr double strict = 0.01;
@@ -70,6 +71,10 @@ struct EquilibriumChoice {
   /// What is solved loosely can move a body to where its matrix is not definite, which a better solve would not have done. Solves are
   /// strict once that has happened. Where strict ones have led there too, they are of no use.
   void noteDefinite(const SolveReport& report);
+  /// Of a solve to this share of |b|: by what the last one took; of the first one few where it is loose, and else `usual`.
+  int expectedIterations(double target, bool is_loose, int usual) const;
+  /// `began`: the share of |b| that was left where a solve by multigrid began.
+  void noteRate(const SolveReport& report, double began);
   /// After a solve by multigrid of Newton's method: true when so many would have paid for factors, and these fit into half of the memory.
   /// `made`: with a new hierarchy.
   bool isDear(const SolverCosts& costs, int iterations, bool has_patches, bool made);

@@ -9,22 +9,16 @@
 
 #include "framework/collision/box_tree.h"
 #include "framework/mesh/cell_lists.h"
+#include "framework/mesh/place_in_cell.h"
 
 namespace stroma {
 namespace {
 
-/// A point in a cell: the weights of its corners, how far it lies outside [m], and where in the reference cell their slopes count.
-struct Place {
-  std::array<double, most_cell_nodes> weights{};
-  double distance = 0;
-  LocalPoint xi{};
-};
-
-Place placeInTetrahedron(const Vec3* corner, const Vec3& p) {
+PlaceInCell placeInTetrahedron(const Vec3* corner, const Vec3& p) {
   Mat3 edges;
   edges << corner[1] - corner[0], corner[2] - corner[0], corner[3] - corner[0];
   const Vec3 u = edges.inverse() * (p - corner[0]);
-  Place place{{1 - u.sum(), u[0], u[1], u[2]}, 0};
+  PlaceInCell place{.weights = {1 - u.sum(), u[0], u[1], u[2]}};
   std::array<double, 4> inside{};
   double sum = 0;
   for (std::size_t a = 0; a < 4; ++a) sum += inside[a] = std::max(0.0, place.weights[a]);
@@ -35,47 +29,17 @@ Place placeInTetrahedron(const Vec3* corner, const Vec3& p) {
   return place;
 }
 
-/// Newton's method held in the cell: inside it ends at the point, outside at the side that the point lies beyond.
-Place placeInCurved(const CellKind& kind, const Vec3* corner, const Vec3& p) {
-  std::array<double, most_cell_nodes> value{};
-  std::array<LocalPoint, most_cell_nodes> slope{};
-  const auto slopeOf = [&](std::size_t a) { return Vec3(slope[a][0], slope[a][1], slope[a][2]); };
-  Mat3 jacobian;
-  const auto evaluate = [&](const LocalPoint& xi) {
-    kind.shapes(xi, value.data());
-    kind.gradients(xi, slope.data());
-    Vec3 x = Vec3::Zero();
-    jacobian.setZero();
-    for (std::size_t a = 0; a < std::size_t(kind.nodes); ++a)
-      x += value[a] * corner[a], jacobian += corner[a] * slopeOf(a).transpose();
-    return x;
-  };
-  LocalPoint xi{};
-  for (int iteration = 0; iteration < 30; ++iteration) {
-    const Vec3 before(xi.data()), miss = p - evaluate(xi), next = before + jacobian.inverse() * miss;
-    xi = {next[0], next[1], next[2]};
-    kind.hold(xi);
-    if ((Vec3(xi.data()) - before).norm() < 1e-14) break;
-  }
-  const Vec3 miss = p - evaluate(xi), beyond = jacobian.inverse() * miss;
-  Place place;
-  place.xi = xi;
-  for (std::size_t a = 0; a < std::size_t(kind.nodes); ++a) place.weights[a] = value[a] + slopeOf(a).dot(beyond);
-  place.distance = beyond.norm() < 1e-9 ? 0 : miss.norm();
-  return place;
-}
-
 /// The foot of the point on an edge, a triangle or a quad, by the method of Gauss and Newton; it may lie beyond their borders.
-Place placeOn(std::size_t nodes, const Vec3* corner, const Vec3& p) {
+PlaceInCell placeOn(std::size_t nodes, const Vec3* corner, const Vec3& p) {
   double u = 0, v = 0;
   const auto weights = [nodes](double a, double b) {
-    Place place;
+    PlaceInCell place;
     if (nodes == 2) place.weights = {1 - a, a};
     if (nodes == 3) place.weights = {1 - a - b, a, b};
     if (nodes == 4) place.weights = {(1 - a) * (1 - b), a * (1 - b), a * b, (1 - a) * b};
     return place;
   };
-  const auto at = [&](const Place& place) {
+  const auto at = [&](const PlaceInCell& place) {
     Vec3 x = Vec3::Zero();
     for (std::size_t a = 0; a < nodes; ++a) x += place.weights[a] * corner[a];
     return x;
@@ -101,14 +65,14 @@ Place placeOn(std::size_t nodes, const Vec3* corner, const Vec3& p) {
     a /= a + b;
     b = 1 - a;
   }
-  Place place = weights(u, v);
+  PlaceInCell place = weights(u, v);
   place.distance = (p - at(weights(a, b))).norm();
   return place;
 }
 
-Place placeIn(const CellKind& kind, const Vec3* corner, const Vec3& p) {
+PlaceInCell placeIn(const CellKind& kind, const Vec3* corner, const Vec3& p) {
   if (kind.dimension < 3) return placeOn(std::size_t(kind.nodes), corner, p);
-  return kind.affine ? placeInTetrahedron(corner, p) : placeInCurved(kind, corner, p);
+  return kind.affine ? placeInTetrahedron(corner, p) : placeInCell(kind, corner, p);
 }
 
 /// The boxes of the cells; `around` is widened to hold all of them.
@@ -133,13 +97,13 @@ BoxTree treeOf(const std::vector<Cell>& cells, const std::vector<Vec3>& body, Bo
 /// In the nearest cell, whose number goes to `cell`: by ascending distance of their boxes, as no cell whose box is
 /// farther than the best one can be better.
 template <class Cell>
-Place nearestPlace(const CellKind& kind, const std::vector<Cell>& cells, const std::vector<Vec3>& body,
+PlaceInCell nearestPlace(const CellKind& kind, const std::vector<Cell>& cells, const std::vector<Vec3>& body,
                    const BoxTree& tree, const Vec3& point, std::size_t& cell) {
-  Place best;
+  PlaceInCell best;
   best.distance = std::numeric_limits<double>::infinity();
   tree.forEachByDistance(point, [&](Index number, double distance) {
     if (distance >= best.distance) return false;
-    const Place place = placeIn(kind, cornersOf(cells[std::size_t(number)], body).data(), point);
+    const PlaceInCell place = placeIn(kind, cornersOf(cells[std::size_t(number)], body).data(), point);
     if (place.distance < best.distance) {
       best = place;
       cell = std::size_t(number);
@@ -170,7 +134,7 @@ void embed(const CellKind& kind, const std::vector<Cell>& cells, const std::vect
   const BoxTree tree = treeOf(cells, body, around);
   for (std::size_t i = 0; i < points.size(); ++i) {
     std::size_t at = 0;
-    const Place best = nearestPlace(kind, cells, body, tree, points[i], at);
+    const PlaceInCell best = nearestPlace(kind, cells, body, tree, points[i], at);
     if (!(best.distance < found[i].distance)) continue;
     const Cell& cell = cells[at];
     found[i] = {best.distance,

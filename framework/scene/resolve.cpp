@@ -15,6 +15,8 @@
 
 namespace stroma {
 
+std::vector<std::string> foreignDataPaths(const std::string& file);  // tools/sofa: folders that a scene in the dialect searches
+
 namespace fs = std::filesystem;
 
 namespace {
@@ -45,6 +47,7 @@ class Resolver {
     if (root.where.file.empty()) return false;
     if (chain_.empty() && isForeign(file, root, overrides_)) {
       is_foreign_ = true;
+      for (std::string& folder : foreignDataPaths(file)) scene_.data_paths.push_back(std::move(folder));
       if (!root.find(dialect_attribute)) root.attributes.push_back({dialect_attribute, foreign_dialect, root.where});
     }
     scene_.files.push_back(file);

@@ -8,7 +8,7 @@ namespace STROMA_TEST_FILE {
 
 // mm, N and MPa
 
-constexpr double plate_range = 0.2;
+constexpr double plate_range = 0.05;
 
 struct Spheres {
   int inner, outer, layers;  ///< cells along an eighth of a great circle, and over each wall
@@ -54,9 +54,11 @@ std::array<double, 4> forcesOf(const Spheres& size) {
   return forces;
 }
 
-/// The walls buckle between 5.5 and 6 mm. What programs have published differs by 9 to 15 % of itself: no margin is added.
+/// The walls buckle between 5.5 and 6 mm. What programs have published differs by 9 to 15 % of itself: no margin is added. Walls are
+/// thinner by half of the range in which contact acts, and come nearer by what is left of it: with a range of 0.05 and plates of 0.2 mm
+/// the last force is 2 % lower.
 TEST(PublishedBenchmarks, HollowSpheresBetweenPlates) {
-  const auto forces = forcesOf({6, 6, 2, 0.05, 0});
+  const auto forces = forcesOf({8, 8, 2, 0.025, 0});
   RecordProperty("force at 2.5, 5, 6 and 7.5 mm [N]",
                  fmt::format("{:.3f} {:.3f} {:.3f} {:.3f}", forces[0], forces[1], forces[2], forces[3]));
   // Abaqus and FEBio (Zimmerman and Ateshian 2018), Areias and others 2015, Puso and Laursen 2004
@@ -68,14 +70,14 @@ TEST(PublishedBenchmarks, HollowSpheresBetweenPlates) {
 
 /// Walls fold past 7 mm, where edges slide over each other: each of these steps has an equilibrium that is found.
 TEST(PublishedBenchmarks, HollowSpheresWithFriction) {
-  const auto forces = forcesOf({6, 6, 2, 0.05, 0.5});
+  const auto forces = forcesOf({8, 8, 2, 0.025, 0.5});
   RecordProperty("force at 2.5, 5, 6 and 7.5 mm [N]",
                  fmt::format("{:.3f} {:.3f} {:.3f} {:.3f}", forces[0], forces[1], forces[2], forces[3]));
   // Abaqus and FEBio (Zimmerman and Ateshian 2018), Areias and others 2015
   expectWithin(forces[0], 0.932, 1.045, "2.5 mm");
   expectWithin(forces[1], 2.343, 2.586, "5 mm");
   expectWithin(forces[2], 3.002, 3.201, "6 mm");
-  expectWithin(forces[3], 0.97 * 3.772, 3.921, "7.5 mm, where cells of this size are 2 % below Abaqus");
+  expectWithin(forces[3], 3.772, 3.921, "7.5 mm");
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -281,6 +281,36 @@ TEST(FactorPrecision, ManySystemsWithOneMatrixGetDouble) {
   EXPECT_TRUE(sameBits(again, x)) << "and so it is after a restart";
 }
 
+/// A matrix that is solved with so often that factors in double precision would have cost less: the next ones get these, but not
+/// where single precision has saved more with the matrices before.
+TEST(FactorPrecision, OneMatrixWithManySolvesIsNoReasonForDouble) {
+  StoredMatrix matrix = lattice(9, 9, 9);
+  Vector x;
+  const auto change = [&] {
+    for (double& value : matrix.values.values()) value *= 2;
+    ++matrix.revision_number;
+  };
+  const auto solveOften = [&](SolverInScene& solver, int most) {
+    int solves = 0;
+    do solver.solve(matrix, randomVector(matrix.rows(), unsigned(++solves)), x);
+    while (solves < most && told(solver, "factorPrecision") != "double");
+    return solves;
+  };
+  SolverInScene first(single_precision);
+  const int until_double = solveOften(first, 4000);
+  ASSERT_LT(until_double, 4000);
+  for (const int easy : {0, 10}) {
+    SolverInScene solver(single_precision);
+    for (int k = 0; k < easy; ++k) change(), solveOften(solver, 1);
+    change();
+    EXPECT_EQ(solveOften(solver, until_double - 1), until_double - 1);
+    EXPECT_EQ(told(solver, "factorPrecision"), "single, refined in double");
+    change();
+    solveOften(solver, 1);
+    EXPECT_EQ(told(solver, "factorPrecision"), easy == 0 ? "double" : "single, refined in double") << easy;
+  }
+}
+
 #if defined(STROMA_COUNTS_ALLOCATIONS)
 /// Memory that is allocated, in bytes.
 double allocated() {

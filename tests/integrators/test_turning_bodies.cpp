@@ -249,6 +249,25 @@ TEST(TurningBodies, APendulumHasItsPeriod) {
   EXPECT_NEAR(std::atan2(hangs.y(), -hangs.z()), 0, 3e-4);
 }
 
+struct Momenta {
+  Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();  ///< about the origin
+};
+Momenta momentaOf(System& system) {
+  Momenta sum;
+  Vector p(system.allRows());
+  system.kineticEnergy();  // inertia at the present orientations
+  system.addMassProduct(system.v, 1, p);
+  for (Index row = 0; row < system.independentRows(); ++row) {
+    if (system.motion().kindOf(row) == RowKind::turn) {
+      sum.angular += p[row];
+      continue;
+    }
+    sum.linear += p[row];
+    sum.angular += Vec3(system.x[row]).cross(Vec3(p[row]));
+  }
+  return sum;
+}
+
 /// Two bodies, and particles between them, on springs that end on points of the bodies.
 class JoinedBodies : public testing::TestWithParam<const char*> {};
 
@@ -265,30 +284,12 @@ TEST_P(JoinedBodies, KeepTheirMomentumToRoundOff) {
         springsIndices2="0 1 2 1 2 3" lengths="0.4" stiffness="80"/></Node></Node>)",
                                                          GetParam()));
   System& system = *simulation.systems()[0];
-  struct Momenta {
-    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
-  };
-  const auto momenta = [&] {
-    Momenta sum;
-    Vector p(system.allRows());
-    system.kineticEnergy();  // inertia at the present orientations
-    system.addMassProduct(system.v, 1, p);
-    for (Index row = 0; row < system.independentRows(); ++row) {
-      if (system.motion().kindOf(row) == RowKind::turn) {
-        sum.angular += p[row];
-        continue;
-      }
-      sum.linear += p[row];
-      sum.angular += Vec3(system.x[row]).cross(Vec3(p[row]));
-    }
-    return sum;
-  };
-  const Momenta start = momenta();
+  const Momenta start = momentaOf(system);
   for (int i = 0; i < 200; ++i) {
     const StepReport report = simulation.step();
     ASSERT_FALSE(report.diverged) << report.reason;
   }
-  const Momenta end = momenta();
+  const Momenta end = momentaOf(system);
   EXPECT_LT((end.linear - start.linear).norm(), 1e-12 * start.linear.norm());
   EXPECT_LT((end.angular - start.angular).norm(), 2e-12 * start.angular.norm());
   EXPECT_GT((system.v[1] - Vec3(1, -2, 0.5)).norm(), 0.1) << "the springs act";
@@ -298,6 +299,80 @@ INSTANTIATE_TEST_SUITE_P(Integrators, JoinedBodies,
                          testing::Values("<EulerExplicitSolver/>",
                                          "<VariationalSymplecticSolver newtonError='1e-14' steps='60'/>"),
                          [](const auto& values) { return fmt::format("Case{}", values.index); });
+
+/// A beam of tetrahedra of 3 x 1 x 1 cells whose ends are parts of two free bodies. Rotations are polar factors, so that the elements
+/// have no resultant torque.
+std::string beamBetweenBodies(const std::string& integrator, double dt) {
+  std::string nodes, ends[2], inner, pairs, tetrahedra;
+  int held[2] = {0, 0}, free = 0;
+  for (int node = 0; node < 16; ++node) {
+    const int i = node % 4;
+    const std::string place = fmt::format("{} {} {}  ", 0.1 * i, 0.1 * (node / 4 % 2), 0.1 * (node / 8));
+    nodes += place;
+    const std::size_t end = i == 3 ? 1 : 0;
+    if (i == 0 || i == 3) {
+      ends[end] += place;
+      pairs += fmt::format("{} {}  ", end, held[end]++);
+    } else {
+      inner += place;
+      pairs += fmt::format("2 {}  ", free++);
+    }
+  }
+  constexpr int step[3] = {1, 4, 8}, orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}};
+  for (int cell = 0; cell < 3; ++cell)
+    for (int k = 0; k < 6; ++k) {
+      const int second = cell + step[orders[k][0]], third = second + step[orders[k][1]];
+      tetrahedra += fmt::format("{} {} {} {}  ", cell, k < 3 ? second : third, k < 3 ? third : second, cell + 13);
+    }
+  const auto body = [&](const char* name, const char* place, const char* velocity, const std::string& points) {
+    return fmt::format(R"(<Node name="{}"><MechanicalObject name="dofs" template="Rigid3" position="{}" velocity="{}"/>
+      <UniformMass totalMass="1.5" inertia="0.01 0.02 0.025"/><Node name="end"><MechanicalObject name="dofs" position="{}"/>
+      <RigidMapping globalToLocalCoords="true"/></Node></Node>)", name, place, velocity, points);
+  };
+  return fmt::format(R"(<Node name="root" dt="{}" gravity="0 0 0">{}<SparseLDLSolver/>{}{}
+    <Node name="inner"><MechanicalObject name="dofs" position="{}"/><UniformMass vertexMass="0.05"/></Node>
+    <Node name="beam"><MeshTopology position="{}" tetrahedra="{}"/><MechanicalObject name="dofs" position="{}"/>
+    <SubsetMultiMapping input="@../first/end/dofs @../second/end/dofs @../inner/dofs" indexPairs="{}"/>
+    <TetrahedronFEMForceField method="polar" youngModulus="2e4" poissonRatio="0.3"/></Node></Node>)",
+                     dt, integrator, body("first", "-0.2 0 0.05  0.1 0.2 0 0.97", "0.1 0.2 0  1 -2 0.5", ends[0]),
+                     body("second", "0.5 0.1 0  0 0 0.3 0.95", "0 -0.2 0.4  0 1 3", ends[1]), inner, nodes, tetrahedra, nodes, pairs);
+}
+
+struct MomentumChange {
+  double linear = 0, angular = 0;  ///< relative
+};
+MomentumChange changeOver(const std::string& integrator, double dt, double time) {
+  Simulation simulation = simulationFromText(beamBetweenBodies(integrator, dt));
+  System& system = *simulation.systems()[0];
+  const Momenta start = momentaOf(system);
+  for (int i = 0; i < std::lround(time / dt); ++i) {
+    const StepReport report = simulation.step();
+    if (report.diverged) throw std::runtime_error(report.reason);
+  }
+  const Momenta end = momentaOf(system);
+  EXPECT_GT((system.v[1] - Vec3(1, -2, 0.5)).norm(), 0.5) << "the beam acts on the first body";
+  EXPECT_GT((system.v[3] - Vec3(0, 1, 3)).norm(), 0.5) << "and on the second one";
+  return {(end.linear - start.linear).norm() / start.linear.norm(), (end.angular - start.angular).norm() / start.angular.norm()};
+}
+
+TEST(SoftBeamBetweenBodies, KeepsBothMomentaToRoundOff) {
+  for (const auto& [integrator, dt] : {std::pair("<EulerExplicitSolver/>", 0.001),
+                                       std::pair("<VariationalSymplecticSolver newtonError='1e-14' steps='60'/>", 0.005)}) {
+    const MomentumChange change = changeOver(integrator, dt, 0.3);
+    EXPECT_LT(change.linear, 1e-12) << integrator;
+    EXPECT_LT(change.angular, 1e-12) << integrator;
+  }
+}
+
+/// Backward Euler adds h^2 sum of v x f per step to the angular momentum: it is kept to first order, the linear one to round-off.
+TEST(SoftBeamBetweenBodies, KeepsItsAngularMomentumToFirstOrderByBackwardEuler) {
+  const std::string euler = "<EulerImplicitSolver newtonIterations='40' newtonTolerance='1e-13'/>";
+  const MomentumChange coarse = changeOver(euler, 0.0005, 0.1), fine = changeOver(euler, 0.00025, 0.1);
+  EXPECT_LT(coarse.linear, 1e-12);
+  EXPECT_LT(fine.linear, 1e-12);
+  EXPECT_NEAR(std::log2(coarse.angular / fine.angular), 1, 0.2) << coarse.angular << " " << fine.angular;
+  EXPECT_LT(fine.angular, 0.01);
+}
 
 /// Two rods of 1 m and 1 kg on hinges, let go level, by their two angles from the horizontal:
 ///   4/3 a'' + c b'' + s b'^2 + 3/2 g cos a = 0,   c a'' + 1/3 b'' - s a'^2 + 1/2 g cos b = 0

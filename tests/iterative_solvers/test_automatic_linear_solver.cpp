@@ -369,6 +369,29 @@ TEST(AutomaticLinearSolver, MatricesThatAreNotDefiniteAreFactored) {
   EXPECT_TRUE(solver.solve(matrix, b, x).factored) << "former factors are no longer tried";
 }
 
+/// Whether products go by elements or by a matrix follows from the iterations of the solve before: loose ones take fewer than the
+/// eight that the first is expected to take.
+TEST(AutomaticLinearSolver, ExpectsWhatTheLastSolveTook) {
+  const ElasticBlock block = box(14, 14, 14);
+  StoredMatrix matrix = matrixOf(block);
+  matrix.assembled_from = 7;
+  SolverInScene solver("<AutomaticLinearSolver/>");
+  const Vector b = weight(block);
+  Vector x(b.count());
+  const auto productsOf = [&](double left) {
+    ++matrix.revision_number;
+    const int before = matrix.products;
+    clear(x);
+    const SolveReport report = solver.solver->solve(matrix, b, x, {.relative_residual = left});
+    EXPECT_EQ(report.stop, SolveStop::converged) << describe(report.stop);
+    EXPECT_LT(report.iterations, left > 1e-3 ? 7 : 30);
+    return matrix.products - before;
+  };
+  EXPECT_EQ(productsOf(0.1), 0) << "the first is expected to take eight";
+  EXPECT_GT(productsOf(0.1), 0);
+  EXPECT_EQ(productsOf(1e-8), 0);
+}
+
 /// Multigrid is left when its solves have cost as much as factors would have, with those of the first matrix.
 TEST(EquilibriumChoice, DearSolvesByMultigridPayForFactors) {
   SolverCosts costs;

@@ -6,6 +6,7 @@ import json
 import os
 import re
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -561,6 +562,50 @@ def test_threads_of_a_step_change_no_bit():
     assert several.hash == alone.hash
     with pytest.raises(ValueError, match="threads"):
         stroma.set_threads(0)
+
+
+SEVERAL_THREADS = """
+import os
+import stroma
+
+LARGE = {"/block/grid.n": "21 21 21"}
+
+
+def threads(simulation):
+    simulation.step()
+    return stroma.threads()
+
+
+if __name__ == "__main__":
+    scene = os.environ["SCENE"]
+    small, large = stroma.load(scene, {"/block/grid.n": "5 5 5"}), stroma.load(scene, LARGE)
+    print(threads(small), threads(large), threads(small))
+    for how in ({"threads": 2}, {"processes": 2}):
+        print(*(run.result for run in stroma.sweep(scene, {"/block/grid.n": ["21 21 21", "22 21 21"]}, threads, **how)))
+    print(threads(large))
+    stroma.set_threads(3)
+    print(threads(small), threads(large))
+"""
+
+
+def test_threads_are_chosen_by_the_size_of_a_scene(folder):
+    (folder / "program.py").write_text(SEVERAL_THREADS)
+    environment = {**os.environ, "SCENE": str(EXAMPLES.parent / "benchmarks" / "block_320000.xml")}
+    given = {**environment, "STROMA_THREADS": "2"}
+    environment.pop("STROMA_THREADS", None)
+
+    def lines(of):
+        return subprocess.run([sys.executable, "program.py"], env=of, check=True, capture_output=True, text=True, timeout=PATIENCE).stdout.split("\n")
+
+    several = lines(environment)
+    assert several[0] in ("1 2 1", "1 1 1")  # of one core
+    assert several[1:3] == ["1 1", "1 1"], "runs at once have one thread each"
+    assert several[3] == several[0][2] and several[4] == "3 3"
+    assert lines(given)[:2] == ["2 2 2", "2 2"]
+    given["STROMA_THREADS"] = "many"
+    with pytest.raises(subprocess.CalledProcessError) as caught:
+        lines(given)
+    assert "STROMA_THREADS is 'many': expected 1 to 1024" in caught.value.stderr
 
 
 def test_problems_of_a_file_have_their_place(folder):

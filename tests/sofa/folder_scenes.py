@@ -560,6 +560,29 @@ SCENES = {
         FRAMES + '<UniformMass/><MeshTopology name="line" edges="0 1  1 2"/><Node name="tube"><QuadSetTopologyContainer name="quads"/>'
         '<Edge2QuadTopologicalMapping nbPointsOnEachCircle="8" radius="0.2" input="@../line" output="@quads"/><MechanicalObject/>'
         '<TubularMapping nbPointsOnEachCircle="8" radius="0.2"/></Node>'),
+    # ---- what once stopped a scene, or was told in vain ----
+    "Demos/included_objects": root(
+        f'<Node name="chain">{ODE}{CG}<include href="Objects/Body.xml" name="one" dx="2"/><include href="Objects/Body.xml" name="two" '
+        'dx="5" color="red"/></Node>'),
+    "Demos/an_object_alone": root(
+        '<MechanicalObject name="frame" template="Rigid3d" position="0 0 0 0 0 0 1"/><UniformMass totalMass="1"/><Node name="skin">'
+        '<MeshOBJLoader name="loader" filename="mesh/small.obj"/><MeshTopology src="@loader"/><MechanicalObject src="@loader"/>'
+        '<TriangleCollisionModel/><RigidMapping/></Node>'),
+    "Demos/spheres_with_velocities": body(
+        '<SphereLoader name="loader" filename="mesh/two.sph"/><MechanicalObject position="@loader.position" velocity="@loader.velocity"/>'
+        '<UniformMass totalMass="1"/><SphereCollisionModel listRadius="@loader.listRadius"/>'),
+    "Carving/CarvingManager": body(
+        TETRA + '<TetrahedronFEMForceField youngModulus="1000" poissonRatio="0.3"/>' + HOLD,
+        more='<CarvingManager active="true" carvingDistance="0.02"/>'),
+    "Engine/Transform/SmoothMeshEngine_unread": block(more='<SmoothMeshEngine input_position="0 0 0" nb_iterations="1"/>'),
+    "Mapping/NonLinear/DistanceMapping_grid": body(
+        SHEET + '<UniformMass totalMass="16"/>' + HOLD + '<Node name="lengths"><MechanicalObject template="Vec1"/><DistanceMapping '
+        'topology="@../grid" applyRestPosition="1"/><RestShapeSpringsForceField template="Vec1" stiffness="100"/></Node>', ODE + LDL),
+    "LinearSolver/Direct/AsyncSparseLDLSolver_assembled": block(solver=ODE + '<AsyncSparseLDLSolver enableAssembly="1"/>'),
+    "SolidMechanics/FEM/HexahedronCompositeFEMForceFieldAndMass_seen": block(
+        '<Node name="seen"><OglModel name="model" filename="mesh/none.obj"/><HexahedronCompositeFEMMapping input="@.." output="@model"/>'
+        '</Node>', field='<HexahedronCompositeFEMForceFieldAndMass youngModulus="3000" poissonRatio="0.3" density="1" lumpedMass="1" '
+        'nbVirtualFinerLevels="1" updateStiffnessMatrix="false"/>', mass=""),
     # ---- plug-ins: what their users write ----
     "SoftRobots/CableConstraint": root(
         f'<Node name="finger"><EulerImplicitSolver rayleighStiffness="0.1" rayleighMass="0.1"/><SparseLDLSolver/>{TETRA}'
@@ -636,6 +659,8 @@ FILES = {
                     "Elements\n1 1 2 3 4\nEnd Elements\n",
     "mesh/two.sph": "sph 1.0\nsphe 0 0 0 0 0.5\nsphe 1 3 0 0 0.25\n",
     "mesh/changes.txt": "T= 0.05\nREMOVE= 1\n1\n",
+    "Objects/Body.xml": '<Node name="Body"><MechanicalObject name="dofs" dx="0" position="0 0 0  1 0 0"/><UniformMass totalMass="2"/>'
+                        '<SpringForceField spring="0 1 100 1 1"/><Node name="seen"><OglModel color="grey" dx="0"/></Node></Node>\n',
     "Objects/BoxConstraint.xml": '<Node name="Group"><BoxROI name="box" box="0 0 0 1 1 1"/><FixedProjectiveConstraint '
                                  'indices="@box.indices"/></Node>\n',
 }

@@ -585,7 +585,10 @@ def constraint_solvers_as_scenes_write_them():
         agree(tied(solver.format(f'tolerance="1e-4" resolutionMethod="{number}"')).x(), by_word, 1e-15)
         differ(by_word, exact, 1e-9)
     agree(tied(solver.format('tolerance="-1"')).x(), exact, 1e-9)
-    for wrong in ('resolutionMethod="3"', 'resolutionMethod="Jacobi"', 'sor="2.5"', 'regularizationTerm="-1"', 'tolerance="small"'):
+    run = tied(solver.format('tolerance="1e-4" resolutionMethod="Jacobi"'))
+    agree(run.x(), tied(solver.format('tolerance="1e-4"')).x(), 1e-15)
+    run.says("'Jacobi' is no method: SOFA keeps ProjectedGaussSeidel")
+    for wrong in ('sor="2.5"', 'regularizationTerm="-1"', 'tolerance="small"'):
         run = tied(solver.format(wrong))
         run.fails(2, "/solver." + wrong.split("=")[0])
         assert "sweeps_of_constraints" not in run.text, run.text

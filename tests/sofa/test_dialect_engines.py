@@ -155,6 +155,10 @@ def engines_that_nobody_reads():
     run = Run(root(EXACT + BODY + '<MeanComputation name="m"/><DataExchange name="d" from="@dofs.position" to="@dofs.rest_position"/>'), 10)
     falls(run)
     run.says("MeanComputation, which nothing with an effect reads", "copies values between parts of a scene")
+    # what it would need is not there, which nobody misses
+    run = Run(root('<SmoothMeshEngine input_position="0 0 0"/>' + EXACT + BODY), 10)
+    falls(run)
+    run.says("SmoothMeshEngine, which nothing with an effect reads")
     Run(root(EXACT + '<DisplacementMatrixEngine name="s"/><MechanicalObject position="@s.indices"/><UniformMass totalMass="1"/>'), 1).fails(
         2, "DisplacementMatrixEngine")
 

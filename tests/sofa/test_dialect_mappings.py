@@ -30,6 +30,18 @@ def weakly_fixed():
 
 
 @case
+def lengths_of_the_edges_of_a_grid():
+    """A grid in SOFA has its lines, and the diagonals of its faces, for whoever names it: here four sides and a diagonal."""
+    scene = root(EXACT + '<RegularGridTopology name="grid" n="2 2 1" min="0 0 0" max="1 1 0"/><MechanicalObject name="dofs"/>'
+                 '<UniformMass totalMass="4"/><FixedConstraint indices="0 1"/><Node name="lengths"><MechanicalObject template="Vec1"/>'
+                 '<DistanceMapping topology="@../grid" geometricStiffness="Exact"/><RestShapeSpringsForceField stiffness="100"/></Node>')
+    X = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], float)
+    sides = [(0, 1), (0, 2), (1, 3), (2, 3)]  # springs() divides by lengths
+    fields = together(gravity(np.ones(4), [0, -10, 0]), springs(sides, X, 100), springs([(0, 3)], X, 100 * np.sqrt(2)))
+    agree(Run(scene, 10).x(), euler(X, np.eye(4), fields, 10, 0.01, held=[0, 1]), 1e-7)
+
+
+@case
 def points_of_edges_in_the_order_of_cells():
     """Edges that a mesh does not list: of tetrahedra, then hexahedra, else of triangles (from the side across their first node on)
     and quads, as they come."""

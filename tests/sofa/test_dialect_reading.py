@@ -438,6 +438,14 @@ def files_of_the_tree_of_a_scene():
         agree(Run(text.format(name), 10, files, name="tree/examples/some/folder/scene.scn").x()[:, 1],
               np.add([0, 0, 1], fallen(10)))
     Run(text.format("c"), 1, files, name="tree/examples/some/folder/scene.scn").fails(2, "mesh/c.obj", "share")
+    # includes and prefabs too; an include may include others
+    body = '<Node name="body"><include href="Objects/Inner.xml"/></Node>'
+    inner = '<Node name="Group">' + BODY.replace('totalMass="2"', 'vertexMass="1"') + "<BoxConstraint/></Node>"
+    prefab = '<Node name="Group"><FixedProjectiveConstraint indices="1"/></Node>'
+    files = {"tree/share/mesh/a.obj": square, "tree/examples/Objects/Outer.xml": body, "tree/examples/Objects/Inner.xml": inner,
+             "tree/examples/Objects/BoxConstraint.xml": prefab}
+    run = Run(root(EXACT + '<include href="Objects/Outer.xml" name="one"/>'), 10, files, name="tree/examples/some/folder/scene.scn")
+    agree(run.x("one.dofs")[:, 1], [fallen(10), 0])
 
 
 @case

@@ -204,6 +204,24 @@ def files_that_nothing_reads():
 
 
 @case
+def a_scene_that_nothing_moves():
+    """As files of objects that other scenes include: what is mapped from them stays too."""
+    part = ('<Node name="tips"><MechanicalObject name="dofs" position="1 0 0"/><RigidMapping/>'
+            '<RestShapeSpringsForceField stiffness="10"/></Node>')
+    run = Run(root('<MechanicalObject name="frame" template="Rigid3" position="0 2 0 0 0 0 1"/><UniformMass totalMass="1"/>' + part), 5)
+    agree(run.x("tips.dofs"), [[1, 2, 0]])
+
+
+@case
+def velocities_that_loaders_have_not():
+    scene = root(EXACT + '<SphereLoader name="loader" filename="two.sph"/><MechanicalObject name="dofs" position="@loader.position" '
+                 'velocity="@loader.velocity"/><UniformMass totalMass="2"/>')
+    run = Run(scene, 10, {"two.sph": "sph 1.0\nsphe 0 0 0 0 0.5\nsphe 1 3 0 0 0.25\n"})
+    falls(run)
+    run.says("has no velocities in SOFA either")
+
+
+@case
 def nodes_of_a_follower_that_is_made_after_what_names_them():
     """A constraint and springs of the outermost node, whose components come first, on states that have their nodes from mappings."""
     frames = "".join(f"{x} 0 0 0 0 0 1  " for x in (0, 1, 2))

@@ -41,6 +41,23 @@ TEST_F(RunChoices, WhatASceneNamesStays) {
   EXPECT_FALSE(says(run.out, "changed its choice")) << run.out;
 }
 
+TEST_F(RunChoices, ThreadsAreInThePlanWithTheirReason) {
+  write("scene.xml", beam(""));
+  const std::string explain = "'" STROMA_COMMAND "' explain scene.xml";
+  const auto plan = [&](const std::string& before, const std::string& after = "") {
+    return shell("env " + before + " " + explain + after);
+  };
+  const std::string chosen = plan("-u STROMA_THREADS").out;
+  EXPECT_TRUE(says(chosen, "threads: 1, because the system has 2989 independent nodes; a second thread pays from 8000 on\n")) << chosen;
+  EXPECT_TRUE(says(plan("STROMA_THREADS=3").out, "threads: 3\n"));
+  EXPECT_TRUE(says(plan("STROMA_THREADS=3", " --threads 2").out, "threads: 2\n"));
+  for (const char* wrong : {"0", "1025", "two", "2x"}) {
+    const Finished run = plan(std::string("STROMA_THREADS=") + wrong);
+    EXPECT_EQ(run.code, 2);
+    EXPECT_TRUE(says(run.err, std::string("STROMA_THREADS is '") + wrong + "': expected 1 to 1024")) << run.err;
+  }
+}
+
 /// A bar that bends far takes the exact tangent for speed: the summary names the force field that has it.
 TEST_F(RunChoices, AnExactTangentThatWasTakenIsInTheSummaryWithItsForceField) {
   const std::string integrator = R"(newtonIterations="60" newtonTolerance="1e-9")";

@@ -2,8 +2,8 @@
 """The scenes of solver_choice.py. `standing`: those that the estimates of a solver's time were made with. `fresh`: those that were
 written afterwards, without a look at the estimates, and were looked at when these were mended. `late`: those that were written
 after that; two mends came from looking at their first results. `held`: those that were written next; rules were mended by what they
-had shown. `unseen`: those that were written after that, and only measured. `mixed`, `further`, `users`:
-see mixed_scenes.py, further_scenes.py and user_scenes.py. SI units."""
+had shown. `unseen`: those that were written after that, and only measured. `mixed`, `further`, `users`,
+`blind`: see mixed_scenes.py, further_scenes.py, user_scenes.py and blind_scenes.py. SI units."""
 import math
 import os
 import re
@@ -449,10 +449,11 @@ def kinds():
 
 
 def scenes():
-    from further_scenes import further  # these are written with the words of this file
+    from blind_scenes import blind  # these are written with the words of this file
+    from further_scenes import further
     from mixed_scenes import mixed
     from user_scenes import users
     for name, source in (("standing", standing), ("fresh", fresh), ("late", late), ("held", held_out), ("unseen", unseen),
-                         ("kinds", kinds), ("mixed", mixed), ("further", further), ("users", users)):
+                         ("kinds", kinds), ("mixed", mixed), ("further", further), ("users", users), ("blind", blind)):
         for found in source():
             yield Scene(found[0], name, *found[1:])

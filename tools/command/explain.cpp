@@ -2,11 +2,11 @@
 // stroma explain: the compiled plan.
 #include <fmt/format.h>
 
-#include "framework/algebra/parallel.h"
 #include "framework/scene/dialect.h"
 #include "tools/command/plan_json.h"
 #include "tools/command/session.h"
 #include "tools/plan/plan.h"
+#include "tools/session/thread_choice.h"
 
 namespace stroma::command {
 namespace {
@@ -40,7 +40,7 @@ int explain(const Arguments& arguments) {
   for (const std::string& line : planOf(simulation).lines()) fmt::print("{}\n", line);
   fmt::print("modules opened: {} (instructions: {})\n", names(session.modules().opened()), instructionLevel());
   fmt::print("modules not opened, the scene names nothing in them: {}\n", names(session.modules().notOpened()));
-  fmt::print("threads: {}\n", threads());
+  fmt::print("threads: {}\n", threadsText(simulation));
   return exit_done;
 }
 

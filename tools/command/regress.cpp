@@ -24,6 +24,7 @@
 #include "tools/session/children.h"
 #include "tools/session/file_uses.h"
 #include "tools/session/statistics.h"
+#include "tools/session/thread_choice.h"
 
 namespace stroma::command {
 namespace {
@@ -311,6 +312,7 @@ std::vector<Result> runList(const RegressionList& list, const Values& values) {
     return runAndCompare(test, fs::path(list.reference_folder) / test.name, one, update);
   };
   const JobLimits limits = jobLimitsOf(values);
+  if ((limits.at_once > 1 || bits) && !values.count("threads")) giveThreads(1);
   if (limits.at_once > 1 && !bits)
     runJobs(
         int(cases.size()), limits,

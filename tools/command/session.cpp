@@ -5,9 +5,9 @@
 
 #include <cstdio>
 
-#include "framework/algebra/parallel.h"
 #include "framework/scene/missing_types.h"
 #include "tools/command/words.h"
+#include "tools/session/thread_choice.h"
 
 namespace stroma::command {
 
@@ -22,7 +22,22 @@ void addSceneOptions(OptionList& options) {
        "of a scene in SOFA's dialect: without this way of SOFA; stroma explain lists them; may be repeated")  //
       ("module", po::value<std::vector<std::string>>()->value_name("FILE.so"),
        "open a module of components by its path; may be repeated")  //
-      ("threads", po::value<int>()->value_name("N"), "threads to use, 1 when not given; no result depends on it");
+      ("threads", po::value<int>()->value_name("N"),
+       "threads to use, else as many as pay for the size of the scene; no result depends on it");
+}
+
+void setThreadsOf(const Values& values) {
+  if (!values.count("threads")) {
+    try {
+      chooseThreads(true);
+    } catch (const std::invalid_argument& error) {
+      throw UsageError(error.what());
+    }
+    return;
+  }
+  const int count = values["threads"].as<int>();
+  if (count < 1 || count > 1024) throw UsageError(fmt::format("--threads {}: expected 1 to 1024", count));
+  giveThreads(count);
 }
 
 void configure(Session& session, const Values& values) {
@@ -30,10 +45,7 @@ void configure(Session& session, const Values& values) {
   if (values.count("module"))
     for (const std::string& file : values["module"].as<std::vector<std::string>>()) session.modules().open(file);
   session.setOverrides(overridesOf(values));
-  if (!values.count("threads")) return;
-  const int count = values["threads"].as<int>();
-  if (count < 1 || count > 1024) throw UsageError(fmt::format("--threads {}: expected 1 to 1024", count));
-  setThreads(count);
+  setThreadsOf(values);
 }
 
 std::vector<Override> overridesOf(const Values& values) {

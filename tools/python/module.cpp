@@ -5,6 +5,7 @@
 #include "framework/algebra/parallel.h"
 #include "tools/platform/heap.h"
 #include "tools/python/termination.h"
+#include "tools/session/thread_choice.h"
 
 PYBIND11_MODULE(_stroma, module) {
   using namespace stroma::python;
@@ -25,7 +26,9 @@ PYBIND11_MODULE(_stroma, module) {
   module.def("threads", &stroma::threads);
   module.def("set_threads", [](int count) {
     if (count < 1 || count > 1024) throw py::value_error("expected 1 to 1024 threads");
-    stroma::setThreads(count);
+    stroma::giveThreads(count);
   });
+  module.def("choose_threads", &stroma::chooseThreads);
+  stroma::chooseThreads(true);
   module.attr("version") = STROMA_VERSION;
 }

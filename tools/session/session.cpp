@@ -14,6 +14,7 @@
 #include "framework/scene/prefab.h"
 #include "framework/scene/spans.h"
 #include "framework/scene/written_units.h"
+#include "tools/checks/beam_masses.h"
 #include "tools/checks/cells_across.h"
 #include "tools/checks/density_units.h"
 #include "tools/checks/empty_selections.h"
@@ -25,6 +26,7 @@
 #include "tools/session/mesh_changes.h"
 #include "tools/session/replay.h"
 #include "tools/session/scene_program.h"
+#include "tools/session/thread_choice.h"
 #include "tools/units/unit_system.h"
 
 namespace stroma {
@@ -147,10 +149,12 @@ Simulation& Session::take(const std::string& file, Scene scene) {
   warnOfEmptySelections(simulation->root(), diagnostics);
   warnOfIdleParts(*simulation, diagnostics);
   noteCoarseCells(*simulation, diagnostics);
+  noteEqualMassesOfBeams(*simulation, diagnostics);
   diagnostics = inUnits(diagnostics, unitsOf(simulation->scene()));
   warnOfUnits(simulation->scene(), diagnostics);
   warnOfLaggedForces(*simulation, diagnostics);
   simulation_ = std::move(simulation);
+  takeThreadsFor(*simulation_);
   return *simulation_;
 }
 
@@ -205,6 +209,7 @@ std::vector<std::string> Session::changeMesh(MeshChange change, const std::strin
 
 StepReport Session::step(StopToken stop) {
   Simulation& running = simulation();
+  takeThreadsFor(running);  // another session may have a number of its own
   mesh_refused_ = false;
   if (program_) {
     program_->beforeStep(running);

@@ -56,7 +56,7 @@ struct RunReport {
 /// Threads: a session and everything it owns (simulation, states, observers) is used by one thread at a time, and only between
 /// steps; observers are called by the stepping thread. Only requestStop() may be called by any thread, or a signal handler, at
 /// any time: the run then ends, abandoning a long step in progress, and another thread may take over. Two sessions may
-/// run in two threads. setThreads() is process-wide; call it before any session steps.
+/// run in two threads. The number of threads is process-wide: tools/session/thread_choice.h.
 class Session {
  public:
   Session() = default;

@@ -87,7 +87,8 @@ bool isAcceptedType(std::string_view type) {
       "BruteForceBroadPhase", "BVHNarrowPhase", "ParallelBruteForceBroadPhase", "ParallelBVHNarrowPhase", "BruteForceDetection",
       "SubCollisionPipeline", "DirectSAP*", "IncrSAP*", "Incremental*", "RayTrace*", "CollisionGroupManager", "CollisionGroup",
       "TreeCollisionGroupManager", "DefaultCollisionGroupManager", "*ConstraintSolver", "*ConstraintCorrection", "*LocalMinDistanceFilter",
-      "ContactListener", "UnilateralLagrangianConstraint", "UnilateralInteractionConstraint",  // SOFA fills them from contacts alone
+      "CarvingManager", "ContactListener",
+      "UnilateralLagrangianConstraint", "UnilateralInteractionConstraint",  // SOFA fills them from contacts alone
       "AugmentedLagrangianConstraint", "CylinderCollisionModel", "CylinderModel", "Cylinder", "TetrahedronCollisionModel",
       "TetrahedronModel",
       "TetrahedronSet", "Tetrahedron", "CubeCollisionModel", "CubeModel", "RayCollisionModel", "RayModel", "CollisionMonitor",
@@ -256,7 +257,8 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
 
 bool isReadBySofa(std::string_view type, std::string_view attribute) {
   static const std::map<std::string_view, List> table = {
-      {"MechanicalObject", {"externalForce", "filename"}},
+      {"MechanicalObject", {"externalForce", "filename"}}, {"SparseLDLSolver", {"enableAssembly"}},
+      {"NonUniformHexahedronFEMForceField", {"updateStiffnessMatrix"}}, {"HexahedronCompositeFEMForceField", {"updateStiffnessMatrix"}},
       {"RestShapeSpringsForceField", {"external_points", "external_rest_shape", "pivot_points", "activeDirections"}},
       {"TetrahedronFEMForceField", {"plasticYieldThreshold", "plasticCreep", "localStiffnessFactor"}},
       {"NonUniformHexahedronFEMForceFieldAndMass", {"initialPoints"}},
@@ -292,7 +294,7 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
 
 bool isSofasDefault(std::string_view attribute, std::string_view value) {
   static const std::map<std::string_view, List> table = {
-      {"damping", {"0"}},
+      {"damping", {"0"}}, {"enableAssembly", {"1", "true"}}, {"updateStiffnessMatrix", {"0", "false"}},
       {"linearMovementBetweenNodesInIndices", {"0", "false"}}, {"edgeAngle", {"0"}},
       {"triAngle", {"0"}}, {"repartition", {""}}, {"filename", {"", "unused"}},
       {"force", {"1"}}, {"maxInjectionRate", {"1000"}}, {"initialVolume", {"0"}},

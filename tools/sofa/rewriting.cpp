@@ -125,22 +125,6 @@ void Rewriting::readSwitches() {
   });
 }
 
-/// SOFA finds files in `share` and `examples` of its tree: those of the tree that the scene lies in, after all others.
-void Rewriting::addFoldersOfTree() {
-  namespace fs = std::filesystem;
-  std::error_code none;
-  if (scene_.data_paths.empty()) scene_.data_paths = environmentDataPaths();
-  fs::path at = fs::absolute(scene_.file, none).lexically_normal().parent_path();
-  for (; at.has_relative_path(); at = at.parent_path()) {
-    if (!fs::is_directory(at / "examples", none)) continue;
-    const bool has_share = fs::is_directory(at / "share", none);  // a tree of sources; where it is installed, meshes lie beside
-    if (!has_share && !fs::is_directory(at / "mesh", none)) continue;
-    scene_.data_paths.push_back((has_share ? at / "share" : at).string());
-    scene_.data_paths.push_back((at / "examples").string());
-  }
-  scene_.data_paths.push_back(fs::absolute(scene_.file, none).parent_path().string());  // of what an included file names
-}
-
 // ---- nodes ----
 
 /// What SOFA has of a number of a node that it cannot read; empty: it can.
@@ -199,11 +183,10 @@ void Rewriting::acceptTypes() {
   const auto& accepted = acceptedWithoutEffect();
   tree_->forEach([&](Element& element) {
     const std::string_view type = element.written->type;
-    warnOfIgnored(element);
+    if (element.role() != "mesh loader") warnOfIgnored(element);  // those that are read are told later
     const bool is_everywhere = std::find(accepted.begin(), accepted.end(), type) != accepted.end();
     if (!element.probe && is_everywhere) element.without_effect = true, warnOfAccepted(element);
-    const bool is_idle = type == "CarvingManager" && (element.text("active").empty() || saysNo(element.text("active")));
-    if (element.probe || is_everywhere || (!is_idle && !isAcceptedType(type))) {
+    if (element.probe || is_everywhere || !isAcceptedType(type)) {
       if (element.probe) renameType(element);
       return;
     }

@@ -19,7 +19,6 @@ class Rewriting {
  private:
   // ---- rewriting.cpp: the tree ----
   void readSwitches();
-  void addFoldersOfTree();
   void rewriteNode(Place& place);
   void acceptTypes();
   void keepOneIntegrator(Place& place, bool is_moved);
@@ -157,6 +156,7 @@ class Rewriting {
   void readMeshFile(Element& element, const std::string& attribute);
   // ---- rewritten_files.cpp ----
   void readOwnFile(Element& element);
+  void addFoldersOfTree();
   void tellMissingFile(const Element& loader);
   void readSurfaces(Element& grid);
   void takeOfFile(Element& element, const std::string& numbers);

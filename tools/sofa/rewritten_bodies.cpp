@@ -100,7 +100,7 @@ class Bodies {
       const bool is_driven = isOfOneBody(place) && std::find(driven.begin(), driven.end(), &place) != driven.end();
       const bool lies_in_held = place.parent && bodyAt(place.parent) && isOfOneBody(place);
       if (isMoved(place) || moves(place)) return;
-      if (is_driven || lies_in_held || (any_moves && (leads(place) || isTied(place)))) still_.push_back(&place);
+      if (is_driven || lies_in_held || leads(place) || (any_moves && isTied(place))) still_.push_back(&place);
     });
     if (still_.empty() && !any_moves) return;
     const std::vector<Place*> meeting = bodiesThatMeet();

@@ -320,7 +320,8 @@ void Rewriting::completeGrid(Element& grid) {
     const std::string& type = element.written->type;
     asked = asked || isAnyOf(type, {"MeshSpringForceField", "VectorSpringForceField", "SurfacePressureForceField",
                                     "TrianglePressureForceField",
-                                    "QuadPressureForceField", "EdgePressureForceField", "LineCollisionModel"});
+                                    "QuadPressureForceField", "EdgePressureForceField", "LineCollisionModel", "DistanceMapping",
+                                    "SquareDistanceMapping", "AreaMapping"});
     for (const AttributeDescription& attribute : element.written->attributes)
       for (const char* list : {".edges", ".lines", ".quads", ".triangles"})
         asked = asked || trimmed(attribute.value) == "@" + grid.path() + list;

@@ -251,7 +251,8 @@ static void addSwept(const AttributeDescription& given, const Element& solver, D
     const std::size_t number = text.size() == 1 ? std::size_t(text[0] - '0') : methods.size();
     if (number < methods.size()) taken.value = methods[number];
     if (!isAnyOf(taken.value = trimmed(taken.value), {methods[0], methods[1], methods[2]}))
-      return diagnostics.error(given.where, path, "'" + text + "' is no method", methods[0] + ", " + methods[1] + " or " + methods[2]);
+      return diagnostics.warning(given.where, path, "'" + text + "' is no method: SOFA keeps " + methods[0] + ", and so does this scene",
+                                 nearest(text, methods));
   }
   const bool is_count = name.starts_with("maxIt");
   if (is_count || isAnyOf(name, {"tolerance", "sor", "regularizationTerm"})) {

@@ -1,15 +1,38 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Files of masses and springs that components of SOFA read themselves: what they hold becomes attributes.
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
+#include "framework/scene/dialect.h"
 #include "framework/scene/files.h"
 #include "framework/scene/names.h"
 #include "framework/scene/text.h"
 #include "tools/sofa/rewriting.h"
 
-namespace stroma::sofa {
+namespace stroma {
+
+/// SOFA finds files in `share` and `examples` of its tree: those of the tree that the scene lies in. The scene's own folder comes last,
+/// for files that an included file names.
+std::vector<std::string> foreignDataPaths(const std::string& file) {
+  namespace fs = std::filesystem;
+  std::error_code none;
+  std::vector<std::string> folders;
+  const fs::path own = fs::absolute(file, none).lexically_normal().parent_path();
+  for (fs::path at = own; at.has_relative_path(); at = at.parent_path()) {
+    if (!fs::is_directory(at / "examples", none)) continue;
+    const bool has_share = fs::is_directory(at / "share", none);  // a tree of sources; where it is installed, meshes lie beside
+    if (!has_share && !fs::is_directory(at / "mesh", none)) continue;
+    folders.push_back((has_share ? at / "share" : at).string());
+    folders.push_back((at / "examples").string());
+  }
+  folders.push_back(own.string());
+  return folders;
+}
+
+namespace sofa {
 
 namespace {
 
@@ -29,6 +52,14 @@ bool numbersOfLines(std::ifstream& file, const char* first, int passed, int take
 }
 
 }  // namespace
+
+/// Of scenes that were not read from a file too.
+void Rewriting::addFoldersOfTree() {
+  if (scene_.data_paths.empty()) scene_.data_paths = environmentDataPaths();
+  for (const std::string& folder : foreignDataPaths(scene_.file))
+    if (std::find(scene_.data_paths.begin(), scene_.data_paths.end(), folder) == scene_.data_paths.end())
+      scene_.data_paths.push_back(folder);
+}
 
 /// Of a loader that nothing with an effect reads.
 void Rewriting::tellMissingFile(const Element& loader) {
@@ -125,4 +156,5 @@ void Rewriting::readSurfaces(Element& grid) {
   grid.remove("fileTopologies");
 }
 
-}  // namespace stroma::sofa
+}  // namespace sofa
+}  // namespace stroma

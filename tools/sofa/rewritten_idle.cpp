@@ -66,6 +66,9 @@ void Rewriting::sayWhyIdle(const Element& element) {
   if (type == "ReadTopology")
     diagnostics_.note(element.written->where, element.path(),
                       "has no effect because SOFA reads its file into lists that nothing else has: the mesh stays as it is");
+  if (type == "CarvingManager" && !element.text("active").empty() && !saysNo(element.text("active")))
+    warn(element.written->where, element, "active",
+         "in SOFA cells whose surface comes near the tool are removed: here nothing is removed", "CarvingRegion of a native scene");
   if (isAnyOf(type, {"CylinderCollisionModel", "CylinderModel", "Cylinder"}))
     diagnostics_.note(element.written->where, element.path(),
                       "has no effect because none of SOFA's own methods finds contacts of cylinders");
@@ -98,6 +101,7 @@ void Rewriting::sayWhyTetrahedraDoNotTouch(const Element& model) {
 
 /// SOFA's loader of a sequence has the next file after a time; of one file it is a loader as others.
 void Rewriting::checkSequence(Element& loader) {
+  warnOfIgnored(loader);
   const AttributeDescription* files = loader.find("nbOfFiles");
   if (files && std::atoi(files->value.c_str()) > 1)
     diagnostics_.error(files->where, loader.path() + ".nbOfFiles",

@@ -24,6 +24,12 @@ bool isEmptyList(const LinkTarget& target) {
          isAnyOf(target.data, {"tetrahedra", "tetras", "hexahedra", "hexas", "prisms", "pentahedra", "pentas", "pyramids"});
 }
 
+/// Scenes ask loaders for velocities, which no file of a mesh has.
+bool isVelocityOfFile(const LinkTarget& target) {
+  return target.element && target.element->probe && target.data == "velocity" && target.element->role() == "mesh loader" &&
+         !target.element->probe->data().find(target.data);
+}
+
 }  // namespace
 
 void Rewriting::rewriteLinks(Element& element) {
@@ -65,7 +71,9 @@ void Rewriting::rewriteLink(Element& element, AttributeDescription& attribute, s
     });
     if (value.empty()) return broken.push_back(attribute.name);
   } else if (!many) {
-    if (isEmptyList(tree_->follow(element, text, true))) return breaks("leads to a list that is empty in SOFA");
+    const LinkTarget target = tree_->follow(element, text, true);
+    if (isEmptyList(target)) return breaks("leads to a list that is empty in SOFA");
+    if (isVelocityOfFile(target)) return breaks("leads to a loader, which has no velocities in SOFA either");
     value = dataLink(element, attribute);
   } else {  // several components in a list of words
     Words words(text);

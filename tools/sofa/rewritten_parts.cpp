@@ -82,7 +82,7 @@ void Rewriting::renameType(Element& element) {
   if (type == "SubsetTopology") element.remove("localIndices");
   if (type == "HexahedronFEMForceFieldAndMass" || type.ends_with("HexahedralFEMForceFieldAndMass")) splitMass(element);
   if (type.starts_with("NonUniformHexahedronFEM") || type == "HexahedronCompositeFEMForceFieldAndMass") fillParts(element);
-  if (type == "HexahedronCompositeFEMMapping")
+  if (type == "HexahedronCompositeFEMMapping" && element.place->has("mechanical state"))
     warn(element.written->where, element, {}, "SOFA's points follow the parts of the cells: here they follow the cells");
   if (type == "RuleBasedContactManager") fillVariables(element);
   if (type == "RepulsiveSpringForceField") element.set("compressionOnly", "true");
@@ -369,11 +369,10 @@ void Rewriting::dropIdleEngines() {
   static const std::set<std::string_view> known = {"AverageCoord",      "DilateEngine",   "NormEngine",       "NormalsFromPoints",
                                                    "QuatToRigidEngine", "ROIValueMapper", "RigidToQuatEngine", "SumEngine",
                                                    "MeshSampler",       "Vertex2Frame",   "ValuesFromPositions",
-                                                   "GenerateSphere",    "RandomPointDistributionInSurface",
-                                                   "MergeROIs",         "SelectLabelROI", "SelectConnectedLabelsROI",
-                                                   "JoinPoints",        "MapIndices",     "GroupFilterYoungModulus",
+                                                   "RandomPointDistributionInSurface", "MergeROIs", "SelectLabelROI",
+                                                   "SelectConnectedLabelsROI", "JoinPoints", "MapIndices", "GroupFilterYoungModulus",
                                                    "MeshSplittingEngine", "ProjectiveTransformEngine", "ClusteringEngine",
-                                                   "MeshTetraStuffing"};
+                                                   "GenerateSphere", "MeshTetraStuffing", "SmoothMeshEngine"};
   const auto is_engine = [](const Element& element) {
     return !element.dropped && (!element.probe || known.count(element.written->type)) && isEngineOfSofa(element.written->type);
   };

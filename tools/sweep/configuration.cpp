@@ -80,7 +80,7 @@ std::vector<std::string> runArguments(const SweepRequest& request, const Configu
     add("--until", printReal(*request.until));
   else if (request.steps)
     add("-n", std::to_string(*request.steps));
-  if (configuration.threads != 1) add("--threads", std::to_string(configuration.threads));
+  add("--threads", std::to_string(configuration.threads));
   for (const std::string& module : request.modules) add("--module", module);
   for (const std::string& setting : configuration.settings) add("--set", setting);
   return arguments;

@@ -4,11 +4,9 @@
 #include <string>
 #include <vector>
 
-namespace stroma::sweep {
+#include "tools/session/processors.h"
 
-/// One processor of each physical core that this process may use, by their numbers in the system: the second thread of a
-/// core would disturb the first.
-std::vector<int> physicalCores();
+namespace stroma::sweep {
 
 /// Mean number of busy processors over the last minute.
 double loadOfMachine();

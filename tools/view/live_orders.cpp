@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "framework/algebra/parallel.h"
 #include "framework/scene/output_file.h"
 #include "framework/simulation/run_events.h"
 #include "tools/checks/result_doubts.h"
@@ -14,6 +13,7 @@
 #include "tools/scene_writer/changed_scene.h"
 #include "tools/session/action_file.h"
 #include "tools/session/scene_program.h"
+#include "tools/session/thread_choice.h"
 #include "tools/view/component_tree.h"
 #include "tools/view/live_run.h"
 #include "tools/view/orders.h"
@@ -238,7 +238,7 @@ void LiveRun::tell(int client, const std::string& verb) {
     audience_.send(client, {{"is", "components"}, {"tree", componentTree(session_)}});
   } else if (verb == "explain") {
     json lines = planOf(simulation_).lines();
-    lines.push_back(fmt::format("threads: {}", threads()));
+    lines.push_back("threads: " + threadsText(simulation_));
     audience_.send(client, {{"is", "explain"}, {"lines", lines}});
   } else if (verb == "hash") {
     audience_.send(

@@ -27,12 +27,13 @@ __version__ = _stroma.version
 
 
 def threads() -> int:
-    """How many threads a step may use."""
+    """How many threads a step may use. As many as pay for the size of each scene, unless set_threads() or the environment variable
+    STROMA_THREADS gives the number."""
     return _stroma.threads()
 
 
 def set_threads(count: int) -> None:
-    """For the whole process; no result depends on it."""
+    """For the whole process and all scenes; no result depends on it."""
     _stroma.set_threads(count)
 
 

@@ -36,16 +36,25 @@ def sweep(scene: Union[str, os.PathLike, Node], values: Dict[str, Iterable[Any]]
 
     if processes is None:
         each = functools.partial(_one, scene, run)
-        with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
-            return list(pool.map(each, combinations))
+        chosen = _stroma.choose_threads(False)  # the runs share the cores
+        try:
+            with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+                return list(pool.map(each, combinations))
+        finally:
+            if chosen:
+                _stroma.choose_threads(True)
     if threads is not None:
         raise ValueError("a sweep has threads or processes, not both")
     if processes < 1:
         raise ValueError(f"a sweep in {processes} processes: expected 1 or more")
     each = functools.partial(_one_sent, scene, run)
     # processes that start afresh: one that is forked has the engine's threads by name only
-    with ProcessPoolExecutor(processes, multiprocessing.get_context("spawn")) as pool:
+    with ProcessPoolExecutor(processes, multiprocessing.get_context("spawn"), _one_thread) as pool:
         return list(pool.map(each, combinations))
+
+
+def _one_thread() -> None:
+    _stroma.choose_threads(False)
 
 
 def _one(scene: Any, run: Callable[[Simulation], Any], chosen: Dict[str, Any]) -> Run:
