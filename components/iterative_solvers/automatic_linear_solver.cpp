@@ -284,17 +284,17 @@ SolveReport AutomaticLinearSolver::solveByFactors(SystemMatrix& matrix, ConstRow
   return again;
 }
 
+/// Within a bounded number of iterations; false: x is zero, and the way that was chosen before is to do it, then and later.
 bool AutomaticLinearSolver::solveMixed(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept,
                                        SolveReport& report) {
-  constexpr int most = 150;
   expected_iterations_ = 2 * most_expected_;
   if (!begin(matrix, b, x, terms, report)) return true;
   if (kept.mixed.isOf(matrix) || kept.mixed.follow(matrix, stiffVolumesOf(matrix, node().root()), factors(), report, terms.stop)) {
     const auto note = [&](double residual) { record(residual / norm_b_); };
-    const cg::Limits limits{std::min(iterations_, most), target(), terms.stop};
+    const cg::Limits limits{std::min(iterations_, MixedSolve::most_iterations), target(), terms.stop};
     report = kept.mixed.solve([&](ConstRows p, Rows out) { product(matrix, p, out); }, note, limits, b, x);
     report.relative_residual /= norm_b_;
-    if (isOver(report.stop) || (report.stop == SolveStop::stagnated && report.relative_residual <= 2 * roundOff(matrix, b, x))) return true;
+    if (report.stop == SolveStop::converged || report.stop == SolveStop::stopped) return true;
   } else if (report.stop == SolveStop::stopped) {
     report.relative_residual = 1;
     return true;

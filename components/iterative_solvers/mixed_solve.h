@@ -78,6 +78,7 @@ class MixedSolve {
  public:
   MixedSolve();
   ~MixedSolve();
+  static constexpr int most_iterations = 150;  ///< of a solve: cubes take 30, and one that takes more hardly ends
   /// Seconds for so many solves with a matrix each, in the sense of SolverCosts. `loose`: Newton's method asks for a digit.
   static double seconds(SystemMatrix& matrix, const VolumeTerms& terms, int solves, bool loose);
   /// Brings everything up to date with the matrix. False: the report says why.
