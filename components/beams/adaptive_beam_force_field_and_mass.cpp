@@ -56,8 +56,8 @@ namespace {
 
 class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeamForceFieldAndMass>,
                                             public HasBeamInertia,
-                                            public HearsSteps,
-                                            public PlacesStart {
+                                            public StepListener,
+                                            public CorrectsStart {
  public:
   void declare(DataTable& table) override {
     FramePairField::declare(table);

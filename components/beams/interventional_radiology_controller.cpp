@@ -47,6 +47,7 @@
 #include "components/beams/wire_chain.h"
 #include "framework/mechanics/history.h"
 #include "framework/mechanics/projective_constraint.h"
+#include "framework/mechanics/signs.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
@@ -59,7 +60,6 @@ class InterventionalRadiologyController final : public ProjectiveConstraint, pub
   void init() override;
   void reset() override;
   void serialize(Archive& archive) override;
-
   bool isConstant() const override { return false; }
   bool projectsVelocity() const override { return true; }
   void addProjectors(double, std::vector<NodeProjector>& out) const override {
@@ -105,7 +105,7 @@ class InterventionalRadiologyController final : public ProjectiveConstraint, pub
   static std::array<Vec3, 2> still() { return {Vec3::Zero(), Vec3::Zero()}; }
   /// Into rows of the state.
   static void put(const Placement& placement, const std::array<Vec3, 2>& rate, Index node, Rows x, Rows v) {
-    x[2 * node] = placement.centre, putOrientation(placement.turn, x, 2 * node + 1);
+    x[2 * node] = placement.centre, putNearest(placement.turn, x, 2 * node + 1);
     v[2 * node] = rate[0], v[2 * node + 1] = rate[1];
   }
 

@@ -74,7 +74,7 @@ namespace stroma::collision {
 namespace {
 
 class CollisionResponse final : public ForceField,
-                                public HearsSteps,
+                                public StepListener,
                                 public ContactAnswer,
                                 public LagrangianConstraint {
  public:

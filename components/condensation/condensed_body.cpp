@@ -90,7 +90,7 @@ void CondensedBody::refuseOtherKinds(const Integrator& integrator, bool dynamic)
       throw ComponentError(
           fmt::format("{} has rayleighStiffness, but {} only supports damping by masses", field->path(), name),
           "rayleighMass of the solver", "rayleighStiffness=\"0\"");
-    if (!dynamic_cast<const HearsSteps*>(field) && readsVelocity(*field, system))
+    if (!dynamic_cast<const StepListener*>(field) && readsVelocity(*field, system))
       throw ComponentError(fmt::format("{} depends on velocity, but {} only supports damping by masses", field->path(), name),
                            "rayleighMass of the solver");
   }
@@ -101,7 +101,7 @@ void CondensedBody::sortFields(bool dynamic) {
     const ForceTraits traits = field->traits();
     const auto* load = dynamic_cast<const LocalLoad*>(field);
     if (dynamic_cast<const LagrangianConstraint*>(field) && !traits.has_stiffness) continue;  // its conditions act
-    if (dynamic_cast<const HearsSteps*>(field)) {
+    if (dynamic_cast<const StepListener*>(field)) {
       contacts_.push_back(field);
       continue;
     }

@@ -260,7 +260,7 @@ bool CondensedIntegrator::holdContact(System& system, Array<double>& u, StopToke
         start[activeRow(node)] - Eigen::Map<const Vec3>(origin_.data() + 3 * node);
   std::copy(c.still.begin(), c.still.end(), c.now.begin());
   c.part = 0, c.push.setZero(0), c.is_at_start = true;
-  c.limits.goAlong();
+  c.limits.advanceRemainingMotion();
   do {
     pushAt(system, c.now);
     int iteration = 0;

@@ -25,14 +25,14 @@ namespace stroma {
 /// u_S = C f*_S with C = (A^-1)_SS, A the matrix of a static or of a dynamic step. Active nodes are those of u: the
 /// kept ones, or every free node where the inside is solved for in each step. Vectors over them have 3 numbers per node
 /// and are padded to chunks of 8.
-class CondensedIntegrator : public Integrator, public StateOwner, public FindsMultipliers, public HeedsStepLimits {
+class CondensedIntegrator : public Integrator, public StateOwner, public FindsMultipliers, public RespectsStepLimits {
  public:
   void declare(DataTable& table) override;
   void compile(System& system) final;
   StateOwner* stateOwner() final { return this; }
   void checkInputOn(const State& state, const Input& input) const final;
   void sceneChanged() final { hands_changed_ = true; }
-  bool heedsStepLimits() const final { return true; }
+  bool respectsStepLimits() const final { return true; }
   void stepTaken(const StepContext& context) final;
   void complete(System& system) final;
   std::string doubt() const final;

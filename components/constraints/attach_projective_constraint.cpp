@@ -61,7 +61,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "framework/mechanics/frames.h"
+#include "framework/mechanics/signs.h"
 #include "framework/mechanics/node_pairs.h"
 #include "framework/mechanics/projective_constraint.h"
 #include "framework/mechanics/right_side.h"
@@ -295,7 +295,7 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
       const Index one = leader(i) + k, other = follower(i) + k;
       std::copy_n(x.data + std::size_t(one) * row_doubles, row_doubles, x.data + std::size_t(other) * row_doubles);
       v[other] = clamped ? Vec3(Vec3::Zero()) : Vec3(v[one]);
-      if (k == 1 && !rest_turns_.empty()) putOrientation(orientationIn(x, one) * restTurn(i, x), x, other);
+      if (k == 1 && !rest_turns_.empty()) putNearest(orientationIn(x, one) * restTurn(i, x), x, other);
     }
     if (clamped) x[follower(i)] = last_place_;
   }

@@ -29,7 +29,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/mechanics/frames.h"
+#include "framework/mechanics/signs.h"
 #include "framework/mechanics/motion.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/mechanics/projective_constraint.h"
@@ -80,7 +80,7 @@ class OscillatorProjectiveConstraint final : public ProjectiveConstraint, public
       if (frames) {
         const Quaternion turn(given_[i + 7], given_[i + 4], given_[i + 5], given_[i + 6]);
         if (!(turn.norm() > 0)) throw ComponentError("oscillators has an orientation of length zero", "x y z w of length 1");
-        o.mean_turn = rotationVector(turn.normalized()), o.swing = vector(i + amplitude + 3);
+        o.mean_turn = signedRotationVector(turn.normalized()), o.swing = vector(i + amplitude + 3);
       }
       oscillators_.push_back(o);
     }

@@ -25,7 +25,7 @@
 // solves compare forces, they are fixed from its start. A solve is repeated if updated shares would change its forces by more than a
 // hundredth. Every iterate is shortened before anything penetrates, with allowance for round-off. After each step an exact test of all
 // edges against all triangles detects crossings; `crossings` counts such steps. Surfaces that intersect at the start are rejected, or
-// pushed apart by resolveStart (contact_start.h). Integrators with one linear solve are rejected: set newtonIterations. Explicit ones
+// pushed apart by resolveStart (contact_start.h). Implicit integrators use Newton's method, and one linear solve is rejected. Explicit ones
 // subdivide their steps (integrators/explicit_parts.h), with contact_springs.cpp for friction.
 //
 // Surfaces are the boundary of the volume cells of a mesh, or its triangles and quads when it has none; quadratic triangles count as
@@ -40,7 +40,7 @@
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 -9.81">
-//   <EulerImplicitSolver newtonIterations="30"/>
+//   <EulerImplicitSolver/>
 //   <SparseLDLSolver/>
 //   <MeshTopology position="0 0 0  1 0 0  0 1 0  0.3 0.3 0.8" tetrahedra="0 1 2 3"/>
 //   <MechanicalObject/>
@@ -70,7 +70,7 @@ namespace {
 
 using namespace contact;
 
-class BarrierContact final : public ContactField, public StepLimiter, public PlacesStart {
+class BarrierContact final : public ContactField, public StepLimiter, public CorrectsStart {
  public:
   void declare(DataTable& table) override;
   ForceTraits traits() const override {
@@ -89,12 +89,12 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   void stepBegins(ConstRows x, double t, double t_end) override;
   void placeStart(Rows x, Index independent, const std::function<void(Rows)>& project) override;
   void checkStart(ConstRows x) override;
-  double longestStep(ConstRows x, const Way& way) override;
-  bool movesOn(ConstRows x) override;
-  bool isOnTheWay() const override { return !is_explicit_ && ((gets_on_ && obstaclesGoOn()) || friction_rounds_.goOn(friction_)); }
-  bool hasWay() const override { return waits_; }
+  double longestStep(ConstRows x, const StepPath& way) override;
+  bool updatesLagged(ConstRows x) override;
+  bool isIntermediate() const override { return !is_explicit_ && ((gets_on_ && obstaclesGoOn()) || friction_rounds_.goOn(friction_)); }
+  bool hasRemainingMotion() const override { return waits_; }
   void addPush(Rows f) const override { terms_.addPush(goal_ - law_.moved, f), friction_.terms().addPush(goal_ - law_.moved, f); }
-  void goAlong(double s) override;
+  void advanceRemainingMotion(double s) override;
   void wantStartForces(bool wanted, double of_end) override { holds_nothing_ = wanted, of_end_ = of_end; }
   void setTime(double t) override { law_.moved = is_explicit_ && is_in_step_ ? placeAt(t) : law_.moved; }
   std::string overlap(ConstRows x) override;
@@ -113,7 +113,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   Vec3 ledTo() const { return obstacles_.ledFrom(arrived_, std::min(0.125 * mean_edge_, fastest_ * (to_ - from_))); }
   Vec3 placeAt(double t) const { return obstacles_.pathAt(t) + arrived_ + (t - from_) / (to_ - from_) * (ledTo() - arrived_); }
   void startStep(ConstRows v);
-  bool hasArrived() const { return (goal_ - law_.moved).isZero(0); }
+  bool hasArrived() const { return (goal_ - law_.moved).norm() <= 1e-9 * law_.range; }  // parts of a way add up to it but for round-off
   bool isLed() const { return is_behind_ || arrived_ != obstacles_.offset(); }
   bool obstaclesGoOn() const { return !hasArrived() && obstacle_rounds_ < (isLed() ? 12 : 1000); }
   double leastMargin() const { return 0.5 * law_.range; }
@@ -149,7 +149,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   bool is_in_step_ = false, is_explicit_ = false;  ///< steps solve nothing: forces are those where parts of them start
   double from_ = 0, to_ = 0, duration_ = 0, of_end_ = 1;  ///< times of the step; its length, or that of an explicit part [s]
   bool is_carried_ = false;  ///< what is moved has gone on since the last force
-  bool left_start_ = false, holds_nothing_ = false, has_solved_ = false, waits_ = false;  ///< bodies were elsewhere; see hasWay()
+  bool left_start_ = false, holds_nothing_ = false, has_solved_ = false, waits_ = false;  ///< see hasRemainingMotion()
   int obstacle_rounds_ = 0;
   bool gets_on_ = false;  ///< obstacles have gone far beside contactDistance; little says that a contact has not opened again
   bool is_behind_ = false;  ///< obstacles begin the step elsewhere than where path and hand had them then
@@ -298,7 +298,7 @@ void BarrierContact::follow(ConstRows x) {
   if (is_back) moved_first_ = law_.moved;
 }
 
-double BarrierContact::longestStep(ConstRows x, const Way& way) {
+double BarrierContact::longestStep(ConstRows x, const StepPath& way) {
   way.is_carried ? void(is_carried_ = true) : friction_.lineStarts();
   shares_.lineBegins(way.is_carried), has_solved_ = false;
   const Vec3 from = is_explicit_ ? moved_at_start_ : law_.moved;
@@ -309,7 +309,7 @@ double BarrierContact::longestStep(ConstRows x, const Way& way) {
   return law_.longestStep(x_, way_, bend_, along);
 }
 
-bool BarrierContact::movesOn(ConstRows x) {
+bool BarrierContact::updatesLagged(ConstRows x) {
   if (is_explicit_) return law_.moved = goal_, false;
   gather(x, law_.moved);
   if (obstaclesGoOn()) {
@@ -322,7 +322,7 @@ bool BarrierContact::movesOn(ConstRows x) {
   solved_slides_ = friction_.slides;
   const bool rubs = (friction_.acts() && frictionChanges(held)) || goes_on;
   const bool again = (held || rubs) && friction_rounds_.takeAnother();
-  const bool sharpens = !again && !others && friction_.isEased();
+  const bool sharpens = !again && !others && friction_.isRelaxed();
   if (sharpens) friction_rounds_.sharpen(friction_, law_, x_, start_, law_.moved - moved_at_start_);
   const bool settles = !again && !others && !sharpens;
   has_solved_ = settles && !step_energy_.goesOn();
@@ -332,7 +332,7 @@ bool BarrierContact::movesOn(ConstRows x) {
   return true;
 }
 
-void BarrierContact::goAlong(double s) {
+void BarrierContact::advanceRemainingMotion(double s) {
   if (!std::exchange(waits_, false)) return;
   const Vec3 way = s * (goal_ - law_.moved);
   gets_on_ = way.norm() > 0.02 * law_.range;

@@ -19,6 +19,8 @@
 // from the start to the end of the step without touching (Li, Kaufman and Jiang 2021), and nothing has moved farther than pairs
 // were searched. A step that cannot be proved ends the run; BarrierContact is for such motions.
 //
+// Bodies that intersect at the start are rejected, or pushed apart by resolveStart (contact_start.h).
+//
 // A change of `offset` during a run moves obstacles by at most an eighth of the mean edge per step.
 //
 // A body has contact with itself with `selfContact`, except points that are nearer than contactDistance at rest.
@@ -44,10 +46,11 @@
 #include "components/contact/contact_bodies.h"
 #include "components/contact/contact_inside.h"
 #include "components/contact/contact_obstacles.h"
+#include "components/contact/contact_outputs.h"
+#include "components/contact/contact_start.h"
 #include "components/contact/kept_forces.h"
 #include "components/contact/kept_rows.h"
-#include "components/contact/kept_ways.h"
-#include "components/contact/wrenches.h"
+#include "components/contact/motion_bounds.h"
 #include "framework/mechanics/lagrangian_constraint.h"
 #include "framework/mechanics/mapping.h"
 #include "framework/mechanics/open_choices.h"
@@ -64,8 +67,8 @@ namespace {
 
 using namespace contact;
 
-class ConstraintContact final : public Component, public LagrangianConstraint, public SharesForces, public ChangesConditions,
-                                public HearsSteps, public DrawnObstacles, public OpenChoices {
+class ConstraintContact final : public Component, public LagrangianConstraint, public GuessesForces, public ChangesConditions,
+                                public StepListener, public CorrectsStart, public DrawnObstacles, public OpenChoices {
  public:
   std::string roleText() const override { return "contact"; }
   void declare(DataTable& table) override;
@@ -75,10 +78,11 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void stepBegins(ConstRows x, double, double) override {
     if (!is_built_) buildForRun(x);
   }
+  void placeStart(Rows x, Index independent, const std::function<void(Rows)>& project) override;
   void constrainedStepBegins(ConstRows x, double t_end) override;
   void addConditions(ConstRows x, ConstRows x_start, LagrangianRows& rows) const override;
   void takeForces(std::span<const double> forces) override;
-  void expectForces(std::span<double> forces, std::span<double> yields) const override {
+  void guessForces(std::span<double> forces, std::span<double> yields) const override {
     kept_forces_.expect(gaps_, law_.surfaces, x_, rowsOfEach(), forces, yields);
   }
   /// Where conditions between rigid bodies do not come to hold their directions stay; where they do not then either, they are let go.
@@ -118,20 +122,18 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   Obstacles obstacles_;
   BarrierLaw law_;  ///< surfaces, obstacles and candidates; no barrier acts
   double friction_ = 0, tolerated_error_ = 0;
-  bool self_ = false;
+  bool self_ = false, resolve_start_ = false;
   int contacts_ = 0;
-  double smallest_gap_ = 0;
   std::vector<double> forces_;
-  std::vector<Vec3> contact_forces_, friction_forces_;
-  Wrenches wrenches_;
+  Outputs outputs_;
 
   std::vector<State*> bodies_;
-  bool is_built_ = false, is_clear_ = false;  ///< with rows of a system; forces on nodes are all zero
+  bool is_built_ = false;  ///< with rows of a system
   std::vector<Vec3> start_, end_;  ///< of all vertices, where the step starts, and where the last one ended
   mutable std::vector<Vec3> x_;    ///< where conditions were last looked at
   mutable KeptGaps gaps_;
   KeptForces kept_forces_;
-  KeptWays ways_;
+  MotionBounds ways_;
   Vec3 moved_at_start_ = Vec3::Zero();
   Vec3 led_ = Vec3::Zero(), led_next_ = Vec3::Zero();  ///< of the offset, what obstacles have come; at the end of the step
   std::string last_warning_;   ///< of the start
@@ -151,19 +153,11 @@ void ConstraintContact::declare(DataTable& table) {
       .min(0);
   table.add("selfContact", self_).help("a body meets itself; several bodies of one state meet by this too");
   obstacles_.declare(table);
+  table.add("resolveStart", resolve_start_).help("bodies that start in one another, or nearer than contactDistance, are pushed apart");
+  table.add("movedStart", outputs_.moved_start).help("the longest way of a node by resolveStart").unit("m").output();
   table.add("contacts", contacts_).help("pairs that push after the last step").unit("-").output();
-  table.add("smallestGap", smallest_gap_)
-      .help("of the pairs that were looked at in the last step; 0 without any")
-      .unit("m")
-      .output();
   table.add("forces", forces_).help("forces of constraint of the last step").unit("N").output();
-  table.add("contactForces", contact_forces_)
-      .help("normal contact force on each node of mstate in the last step")
-      .unit("N")
-      .output()
-      .ofNodes();
-  table.add("frictionForces", friction_forces_).help("friction on each node of mstate in the last step").unit("N").output().ofNodes();
-  wrenches_.declare(table);
+  outputs_.declareForces(table);
   table.add("moved", moved_at_start_).help("how far obstacles have come from where they are written").unit("m").output();
 }
 
@@ -180,7 +174,6 @@ void ConstraintContact::init() {
 }
 
 void ConstraintContact::build() {
-  is_clear_ = false;
   law_.surfaces.clear(), gaps_.clear();
   addSurfaces(law_.surfaces, bodies_, topology_, *this);
   obstacles_.addTo(law_);
@@ -191,7 +184,7 @@ void ConstraintContact::build() {
   law_.compile();
   const std::vector<char> rigid = areRigid(law_.surfaces, bodies_);
   gaps_.compile(law_, toleratedError(), rigid), kept_forces_.compile(law_.surfaces, rigid);
-  wrenches_.compile(law_, bodies_);
+  outputs_.compile(law_, bodies_);
 }
 
 /// With the rows of the system; refuses a start in which surfaces are in one another.
@@ -233,8 +226,21 @@ void ConstraintContact::checkStart() {
     const State* body = moves ? bodies_[std::size_t(s.bodyOf(int(v)))] : nullptr;
     x_[v] = moves ? body->position[std::size_t(s.rows[v] - body->firstRow())] : Vec3(s.rest[v] + law_.moved);
   }
+  if (resolve_start_) return;  // placeStart() follows
   refuseOverlaps();
   warnOfNear();
+}
+
+void ConstraintContact::placeStart(Rows x, Index independent, const std::function<void(Rows)>& project) {
+  if (!resolve_start_) return;
+  constexpr double beyond = 1.02;  // of the gap that is kept: pushApart() ends within a hundredth of the gap that it is given
+  build();
+  law_.moved = moved_at_start_;
+  std::vector<StartBody> bodies;
+  for (const State* body : bodies_) bodies.push_back({body, &meshOfBody(*body, body == bodies_.front(), topology_, *this)});
+  outputs_.moved_start = pushApart(law_, bodies, beyond * law_.range, independent, project, x);
+  law_.surfaces.gather(x, law_.moved, x_);
+  refuseOverlaps();
 }
 
 /// Somebody else has moved what is near: it may be anywhere.
@@ -265,7 +271,7 @@ void ConstraintContact::constrainedStepBegins(ConstRows x, double t_end) {
   } catch (const ComponentError& error) {  // out of a step: nobody adds the place in the file
     throw ComponentError(where().text() + ": " + error.what(), error.expected, error.suggestion);
   }
-  led_next_ = obstacles_.ledFrom(led_, KeptWays::of_edge * KeptWays::lengthOf(law_));
+  led_next_ = obstacles_.ledFrom(led_, MotionBounds::of_edge * MotionBounds::lengthOf(law_));
   const Vec3 goal = obstacles_.pathAt(t_end) + led_next_, way = goal - moved_at_start_;
   law_.moved = moved_at_start_;
   law_.surfaces.gather(x, law_.moved, x_);
@@ -294,35 +300,16 @@ void ConstraintContact::takeForces(std::span<const double> forces) {
   moved_at_start_ = law_.moved, led_ = led_next_;
   forces_.assign(forces.begin(), forces.end());
   gaps_.all().empty() ? end_.clear() : copyPlaces(x_, end_);
-  contacts_ = 0;
-  const std::size_t nodes = std::size_t(bodies_.front()->size());
-  const bool was_clear = is_clear_ && contact_forces_.size() == nodes;
-  is_clear_ = std::ranges::none_of(forces, [](double each) { return each > 0; });
-  if (!is_clear_ || !was_clear) contact_forces_.assign(nodes, Vec3::Zero()), friction_forces_ = contact_forces_, wrenches_.begin();
   const std::size_t each = rowsOfEach();
   kept_forces_.take(gaps_, law_.surfaces, forces, each);
-  for (std::size_t i = 0; i < gaps_.all().size(); ++i) {
-    const KeptGap& gap = gaps_.all()[i];
-    const double* l = forces.data() + each * i;
-    if (!(l[0] > 0)) continue;
-    ++contacts_;
-    const Vec3 normal = l[0] * gap.n;
-    const Vec3 rubbing = each == 3 ? Vec3(l[1] * gap.tangent + l[2] * gap.n.cross(gap.tangent)) : Vec3::Zero();
-    wrenches_.add(law_.surfaces, gap.v, gap.c, x_, normal + rubbing);
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (gap.v[k] < 0 || !law_.surfaces.moves(gap.v[k]) || law_.surfaces.bodyOf(gap.v[k]) != 0) continue;
-      const std::size_t node = std::size_t(law_.surfaces.rows[std::size_t(gap.v[k])] - bodies_.front()->firstRow());
-      contact_forces_[node] += gap.c[k] * normal, friction_forces_[node] += gap.c[k] * rubbing;
-    }
-  }
-  smallest_gap_ = gaps_.all().empty() ? 0 : gaps_.smallest(law_, x_) + law_.range;
+  contacts_ = outputs_.note(law_, gaps_, forces, each, friction_, toleratedError(), x_, bodies_);
 }
 
 void ConstraintContact::reset() {
   startObstacles();
   start_.clear(), end_.clear(), gaps_.clear(), kept_forces_.clear();
-  forces_.clear(), contact_forces_.clear(), friction_forces_.clear(), wrenches_.begin();
-  ways_.reset(), smallest_gap_ = 0, contacts_ = 0;
+  forces_.clear(), outputs_.clear();
+  ways_.reset(), contacts_ = 0;
 }
 
 void ConstraintContact::serialize(Archive& archive) {
@@ -331,12 +318,9 @@ void ConstraintContact::serialize(Archive& archive) {
   archive.list("start", start_);
   ways_.serialize(archive);
   archive.value("contacts", contacts_);
-  archive.value("smallest_gap", smallest_gap_);
   archive.list("forces", forces_);
-  archive.list("contact_forces", contact_forces_);
-  archive.list("friction_forces", friction_forces_);
-  wrenches_.serialize(archive), kept_forces_.serialize(archive);
-  if (archive.isReading()) end_.clear(), is_clear_ = false;
+  outputs_.serialize(archive), kept_forces_.serialize(archive);
+  if (archive.isReading()) end_.clear();
 }
 
 }  // namespace

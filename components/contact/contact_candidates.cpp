@@ -18,7 +18,7 @@ bool has(const std::array<int, 3>& face, int vertex) {
 
 void Candidates::compile(const Surfaces& surfaces) {
   surfaces_ = &surfaces;
-  parts_ = partsOf(surfaces), strangers_ = strangersOf(surfaces, parts_);
+  parts_ = partsOf(surfaces), strangers_ = namesOfOthers(surfaces, parts_);
   trees_.assign(parts_.size(), {});
   boxes_.assign(parts_.size(), {});
   is_fit_.assign(parts_.size(), false);
@@ -294,7 +294,7 @@ bool Candidates::findWays(const std::vector<Vec3>& x, const std::vector<Vec3>& d
     const Displacements &a = goes_[std::size_t(meeting.a)], &b = goes_[std::size_t(meeting.b)];
     ways_[m] = a.longest + b.longest;
     if (ways_[m] == 0 || (knows_any && hasRoom(m, meeting.clear, 1))) continue;
-    ways_[m] = mostApart(a, b);
+    ways_[m] = boundOfDifference(a, b);
     if (ways_[m] == 0 || (knows_any && hasRoom(m, meeting.clear, 1))) continue;
     takeOffTurns(meetings_[m], x), ways_[m] = takeOffTurns(meeting, x, dx, bend, ways_[m]);
     looks_[m] = !knows_any || !hasRoom(m, meeting.clear, 1);

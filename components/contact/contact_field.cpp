@@ -59,7 +59,7 @@ ForceField::Cost ContactField::cost() const {
   return {50 * terms, 800 * terms};
 }
 
-double ContactField::lentEnergy(ConstRows x) const {
+double ContactField::solvePotential(ConstRows x) const {
   gather(x, law_.moved);
   return friction_.energy(x_, start_, law_.moved - moved_at_start_);
 }

@@ -11,7 +11,7 @@
 namespace stroma::contact {
 
 /// A contact by forces: its bodies and obstacles as attributes, and the derivatives of the last addForce().
-class ContactField : public ForceField, public OpenChoices, public LendsEnergy, public DrawnObstacles {
+class ContactField : public ForceField, public OpenChoices, public HasSolvePotential, public DrawnObstacles {
  public:
   /// mstate, other, topology, contactDistance, stiffness, thickness, coefficients of friction, selfContact and obstacles.
   void declare(DataTable& table) override;
@@ -23,8 +23,8 @@ class ContactField : public ForceField, public OpenChoices, public LendsEnergy, 
   void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override;
   Cost cost() const override;
   /// With friction, whose pressures and directions are lagged in a solve.
-  bool lendsEnergy() const override { return friction_.acts(); }
-  double lentEnergy(ConstRows x) const override;
+  bool hasSolvePotential() const override { return friction_.acts(); }
+  double solvePotential(ConstRows x) const override;
   long patternRevision() const override { return pattern_revision_; }
   std::string choice() const override;
   void addShapes(std::vector<Shape>& shapes) const override { contact::addShapes(law_, shapes); }

@@ -65,12 +65,12 @@ class Friction {
   void setSlip(double e) { slip = wanted_slip_ = e; }
   /// Eases friction in a step that is retried after failed solves, or if the slip tolerance is tiny: the first solve allows a slip
   /// of e. Whenever forces and shares have settled, the next solve has a tenth of that, down to the wanted value. Sticking contacts
-  /// are first held by the spring that reproduces their y, and so their force.
+  /// are first held by the spring that reproduces their y, and so their force; those that only compensate a share are not held.
   void ease(double e, bool again) {
     constexpr double tiny = 1e-3;  // of e: the first try begins so as well
     slip = (again && lines_ > 1) || wanted_slip_ < tiny * e ? std::max(wanted_slip_, e) : wanted_slip_;
   }
-  bool isEased() const { return acts() && slip > wanted_slip_; }
+  bool isRelaxed() const { return acts() && slip > wanted_slip_; }
   void sharpen(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
   /// Updates them with the forces and shares at the end x of a solve. Returns the relative change of the forces.
   double renew(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved, bool was_held,

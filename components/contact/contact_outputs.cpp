@@ -98,6 +98,15 @@ void Outputs::noteSlides(const Surfaces& s, const Friction& friction, const Stat
     }
 }
 
+/// From the sum of its normal forces.
+void Outputs::findPressure(const BarrierLaw& law, int vertex, const std::vector<Vec3>& x, const State& first) {
+  const std::size_t node = std::size_t(law.surfaces.rows[std::size_t(vertex)] - first.firstRow());
+  const double force = contact_forces_[node].norm(), sign = std::copysign(1., pressures_[node]);
+  // not areas_: a rim that sticks out faces what it lies on at a slant and has next to no share, but others push it all the same
+  const double area = force > 0 ? law.shareOf(vertex, contact_forces_[node] * (sign / force), x) : 0;
+  pressures_[node] = area > 0 ? sign * force / area : 0;
+}
+
 void Outputs::note(const BarrierLaw& law, const std::vector<Touch>& touches, const Friction& friction, const std::vector<Vec3>& x,
                    const std::vector<State*>& bodies) {
   const Surfaces& s = law.surfaces;
@@ -128,20 +137,20 @@ void Outputs::note(const BarrierLaw& law, const std::vector<Touch>& touches, con
     }
   }
   noteSlides(s, friction, first);
-  for (std::size_t v = 0; v < x.size(); ++v) {
-    if (!s.moves(int(v)) || s.bodyOf(int(v)) != 0) continue;
-    const std::size_t node = std::size_t(s.rows[v] - first.firstRow());
-    const double force = contact_forces_[node].norm(), sign = std::copysign(1., pressures_[node]);
-    // not areas_: a rim that sticks out faces what it lies on at a slant and has next to no share, but others push it all the same
-    const double area = force > 0 ? law.shareOf(int(v), contact_forces_[node] * (sign / force), x) : 0;
-    pressures_[node] = area > 0 ? sign * force / area : 0;
-  }
+  for (std::size_t v = 0; v < x.size(); ++v)
+    if (s.moves(int(v)) && s.bodyOf(int(v)) == 0) findPressure(law, int(v), x, first);
   touched_ = std::isfinite(smallest);
   smallest_gap_ = touched_ ? smallest : 0;
   constexpr double closed = 0.1, half = 0.5;
   const double r = smallest_gap_ / law.range;
   if (r > 0 && r < closed)
     open_stiffness_ = std::max(open_stiffness_, law.stiffness * pressureAt(r) / pressureAt(half));
+}
+
+void Outputs::clear() {
+  reset();
+  clearNodes(0, 0), wrenches_.begin();
+  smallest_gap_ = 0, is_clear_ = touched_ = knows_noted_ = false;
 }
 
 std::string Outputs::overlap(const std::string& path, const std::vector<Candidates::Crossing>& crossings, const Surfaces& surfaces,
@@ -185,7 +194,7 @@ void Outputs::serialize(Archive& archive) {
   archive.list("contact_forces", contact_forces_), archive.list("friction_forces", friction_forces_);
   archive.list("pressures", pressures_), archive.list("areas", areas_);
   archive.list("gaps", gaps_), archive.list("states", states_), wrenches_.serialize(archive);
-  is_clear_ = false;
+  is_clear_ = knows_noted_ = false;
 }
 
 }  // namespace stroma::contact

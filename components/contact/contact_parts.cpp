@@ -133,7 +133,7 @@ Displacements displacementsOf(const SurfacePart& part, const AllDisplacements& w
   return all;
 }
 
-double mostApart(const Displacements& a, const Displacements& b) {
+double boundOfDifference(const Displacements& a, const Displacements& b) {
   const double sum = a.longest + b.longest;
   if (!std::isfinite(sum)) return sum;
   return std::min(sum, (a.box.high - b.box.low).cwiseMax(b.box.high - a.box.low).norm());
@@ -271,7 +271,7 @@ void leaveOf(CommonMotion& motion, const SurfacePart& part, const std::vector<Ve
   motion.left = motion.left.grownBy(off);
 }
 
-double mostApart(const CommonMotion& a, const CommonMotion& b) {
+double boundOfDifference(const CommonMotion& a, const CommonMotion& b) {
   const Vec3 between = b.shift - a.shift - a.gradient * (b.middle - a.middle);
   const Vec3 more = (b.gradient - a.gradient).cwiseAbs() * b.half;
   const Vec3 low = b.left.low + between - more, high = b.left.high + between + more;
@@ -376,7 +376,7 @@ double leastApart(const Surfaces& s, int f, unsigned f_strangers, int g, unsigne
   return least;
 }
 
-std::vector<unsigned> strangersOf(const Surfaces& s, const std::vector<SurfacePart>& parts) {
+std::vector<unsigned> namesOfOthers(const Surfaces& s, const std::vector<SurfacePart>& parts) {
   std::vector<int> of_vertex(s.rows.size(), -1), of_edge(s.edges.size(), -1);
   for (std::size_t p = 0; p < parts.size(); ++p)
     for (const int f : parts[p].faces)

@@ -47,11 +47,11 @@ inline Displacements displacementsOf(const SurfacePart& part, const std::vector<
 /// false if one is not finite.
 bool boxAround(const Vec3* x, const Vec3* from, std::size_t count, Box& box);
 /// An upper bound of the difference between displacements in two boxes [m].
-inline double mostApart(const Box& a, const Box& b) { return (a.high - b.low).cwiseMax(b.high - a.low).norm(); }
+inline double boundOfDifference(const Box& a, const Box& b) { return (a.high - b.low).cwiseMax(b.high - a.low).norm(); }
 /// An upper bound of the length of displacements in a box [m].
 inline double longestIn(const Box& box) { return box.low.cwiseAbs().cwiseMax(box.high.cwiseAbs()).norm(); }
 /// An upper bound of the difference between displacements of a and b [m].
-double mostApart(const Displacements& a, const Displacements& b);
+double boundOfDifference(const Displacements& a, const Displacements& b);
 /// Copies `from` to `to` bytewise.
 void copyPlaces(const std::vector<Vec3>& from, std::vector<Vec3>& to);
 /// Whether the bits are equal, so that results for one are valid for the other.
@@ -74,7 +74,7 @@ CommonMotion commonMotionAlong(const SurfacePart& part, const std::vector<Vec3>&
 void leaveOf(CommonMotion& motion, const SurfacePart& part, const std::vector<Vec3>& p, const std::vector<Vec3>& x,
              const std::vector<Vec3>* dx, const std::vector<double>& bend);
 /// An upper bound of the difference between the remaining displacements of a's and b's parts under the motion of a [m].
-double mostApart(const CommonMotion& a, const CommonMotion& b);
+double boundOfDifference(const CommonMotion& a, const CommonMotion& b);
 
 /// Whether boxes around the paths of both sides of a pair are farther apart than `distance`: a cheap bound.
 bool areFar(PairKind kind, const FourPoints& x, const FourPoints* dx, double distance);
@@ -89,7 +89,7 @@ double leastDistance(PairKind kind, const FourPoints& x);
 double leastApart(const Surfaces& surfaces, int f, unsigned f_strangers, int g, unsigned g_strangers, const std::vector<Vec3>& x,
                   double least);
 /// Per triangle: bits of the corners and edges that belong to a triangle of another part, or to none.
-std::vector<unsigned> strangersOf(const Surfaces& surfaces, const std::vector<SurfacePart>& parts);
+std::vector<unsigned> namesOfOthers(const Surfaces& surfaces, const std::vector<SurfacePart>& parts);
 
 /// Two parts that may meet, and the results of a search at some configuration. Distances exclude the radii of obstacles.
 struct Meeting {

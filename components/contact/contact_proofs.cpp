@@ -19,7 +19,7 @@ bool isOf(int number, std::size_t count) { return number >= 0 && std::size_t(num
 
 /// Of two parts, by the common motion of either, for distances up to `far`.
 double leftOver(const CommonMotion& a, const CommonMotion& b, double far) {
-  return std::min(mostApart(a, b) + a.shrink * far, mostApart(b, a) + b.shrink * far);
+  return std::min(boundOfDifference(a, b) + a.shrink * far, boundOfDifference(b, a) + b.shrink * far);
 }
 }  // namespace
 
@@ -83,7 +83,7 @@ void Candidates::followParts(const BodyMeeting& bodies, const std::vector<Vec3>&
     MeetingGroup& each = groups_[std::size_t(group)];
     const Displacements &a = part_groups_[std::size_t(each.a)].gone, &b = part_groups_[std::size_t(each.b)].gone;
     const double longest = a.longest + b.longest;
-    each.motion = mostApart(a, b) + (longest > 0 ? roundOff(longest) : 0);
+    each.motion = boundOfDifference(a, b) + (longest > 0 ? roundOff(longest) : 0);
     each.is_fine = each.motion < each.room;
     if (!each.is_fine) follow(each, x);
   }
@@ -111,7 +111,7 @@ void Candidates::restGroups(const std::vector<Vec3>& x) {
   for (MeetingGroup& each : groups_) {
     if (each.rests) continue;
     const Displacements &a = part_groups_[std::size_t(each.a)].goes, &b = part_groups_[std::size_t(each.b)].goes;
-    const double way = mostApart(a, b), room = each.clear - each.motion - roundOff(a.longest + b.longest);
+    const double way = boundOfDifference(a, b), room = each.clear - each.motion - roundOff(a.longest + b.longest);
     each.rests = way == 0 || (each.is_fine && way <= (1 - options.left) * room);
     if (!each.rests && each.is_fine) follow(each, x);
   }
@@ -120,7 +120,7 @@ void Candidates::restGroups(const std::vector<Vec3>& x) {
 /// Motion of a meeting at the x of the last follow(), less what its parts go along together. That is rounded all the same.
 void Candidates::takeOffShift(Meeting& meeting) {
   const Displacements &a = gone_[std::size_t(meeting.a)], &b = gone_[std::size_t(meeting.b)];
-  meeting.motion = meeting.used + mostApart(a, b) + roundOffOf(meeting);
+  meeting.motion = meeting.used + boundOfDifference(a, b) + roundOffOf(meeting);
 }
 
 /// The same, less what each of them does as a whole.

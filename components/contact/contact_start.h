@@ -25,7 +25,7 @@ struct StartBody {
   const Mesh* mesh;
 };
 
-/// Moves rows of x until surfaces are at least `gap` [m] apart; project and independent: see PlacesStart. Returns the largest
+/// Moves rows of x until surfaces are at least `gap` [m] apart; project and independent: see CorrectsStart. Returns the largest
 /// displacement of a node [m]. Throws ComponentError if a cell would be inverted. Bodies that cannot be separated still overlap afterwards.
 double pushApart(const BarrierLaw& law, const std::vector<StartBody>& bodies, double gap, Index independent,
                  const std::function<void(Rows)>& project, Rows x);

@@ -78,7 +78,7 @@ bool Candidates::followBodies(const std::vector<Vec3>& x) {
   for (BodyMeeting& each : body_meetings_) {
     const WholeBody &a = bodies_[std::size_t(each.a)], &b = bodies_[std::size_t(each.b)];
     const double longest = longestIn(a.gone) + longestIn(b.gone);
-    each.motion = mostApart(a.gone, b.gone) + (longest > 0 ? roundOff(longest) : 0);
+    each.motion = boundOfDifference(a.gone, b.gone) + (longest > 0 ? roundOff(longest) : 0);
     each.is_fine = each.room > 0 && a.has_gone && b.has_gone && (each.motion < each.room || turnsAsOne(each, x));
     for (const int group : each.groups) groups_[std::size_t(group)].is_fine = each.is_fine;
     are_fine = are_fine && each.is_fine;
@@ -96,7 +96,7 @@ bool Candidates::turnsAsOne(BodyMeeting& each, const std::vector<Vec3>& x) {
     return each.motion = body.turned, true;
   const double round_off = roundOff(2 * longestIn(body.gone));
   CommonMotion motion = commonMotionTo(body.some, found_at_, x);
-  const auto left = [&] { return mostApart(motion, motion) + motion.shrink * (each.near + radii_) + round_off; };
+  const auto left = [&] { return boundOfDifference(motion, motion) + motion.shrink * (each.near + radii_) + round_off; };
   if (!(left() < each.room)) return false;
   leaveOf(motion, body.all, found_at_, x, nullptr, {});
   if (!(left() < each.room)) return false;
@@ -119,7 +119,7 @@ bool Candidates::restBodies(const std::vector<Vec3>& x, const std::vector<Vec3>&
   bool rest = true;
   for (BodyMeeting& each : body_meetings_) {
     const WholeBody &a = bodies_[std::size_t(each.a)], &b = bodies_[std::size_t(each.b)];
-    const double way = mostApart(a.goes, b.goes);
+    const double way = boundOfDifference(a.goes, b.goes);
     const double most = (1 - options.left) * (each.clear - each.motion - roundOff(longestIn(a.goes) + longestIn(b.goes)));
     const bool rests = a.can_go && b.can_go && (way == 0 || (each.is_fine && (way <= most || goesAsOne(each, x, dx, bend, most))));
     for (const int group : each.groups) groups_[std::size_t(group)].rests = rests;
@@ -151,7 +151,7 @@ bool Candidates::goesAsOne(const BodyMeeting& each, const std::vector<Vec3>& x, 
   if (each.a != each.b) return false;
   const WholeBody& body = bodies_[std::size_t(each.a)];
   CommonMotion motion = commonMotionAlong(body.some, x, dx, bend);
-  const auto left = [&] { return mostApart(motion, motion) + motion.shrink * (each.near + radii_); };
+  const auto left = [&] { return boundOfDifference(motion, motion) + motion.shrink * (each.near + radii_); };
   if (!(left() <= most)) return false;
   leaveOf(motion, body.all, x, x, &dx, bend);
   return left() <= most;

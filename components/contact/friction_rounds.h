@@ -22,7 +22,7 @@ class FrictionRounds {
   bool mayHold() const { return rounds_ + 1 < most; }
   /// The present solve is only intermediate: friction is expected to change enough afterwards to need another one.
   bool goOn(const Friction& friction) const {
-    return rounds_ + 2 < most && is_to_change_ && !friction.isHolding() && !friction.isEased();
+    return rounds_ + 2 < most && is_to_change_ && !friction.isHolding() && !friction.isRelaxed();
   }
   /// `change`: of the friction forces between two solves, see relativeChange(). Held contacts give no information on slip.
   bool changes(double change, bool was_held) {

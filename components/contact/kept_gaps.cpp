@@ -10,7 +10,7 @@
 
 namespace stroma::contact {
 
-double mostAgainst(PairKind kind, const FourPoints& ways) {
+double boundOfRelativeMotion(PairKind kind, const FourPoints& ways) {
   const std::size_t first_side = kind == PairKind::point_triangle ? 1 : 2;
   double square = 0;
   for (std::size_t i = 0; i < first_side; ++i)
@@ -57,10 +57,10 @@ double allowance(const KeptGap& gap, const BarrierLaw& law, const std::vector<Ve
 
 }  // namespace
 
-FreeWay freeWay(const BarrierLaw& law, const Candidate& pair, double start, const FourPoints& places, const FourPoints& ways,
+PathCheck checkPath(const BarrierLaw& law, const Candidate& pair, double start, const FourPoints& places, const FourPoints& ways,
                 double slack) {
   constexpr double part = 0.02, most = 0.1;
-  const double moved = mostAgainst(pair.kind, ways);
+  const double moved = boundOfRelativeMotion(pair.kind, ways);
   start -= slack;
   if (start > 0 && moved < certainly_free * start) return {moved, 1};
   const double left = start > 0 ? std::min(most, part * law.range / start) : most;
@@ -78,7 +78,7 @@ void KeptGap::place(const BarrierLaw& law, const std::vector<Vec3>& x) {
     const Vec3 beside = from - along * (along.dot(from) / along.squaredNorm());
     n = beside.norm() > 0 ? Vec3(beside.normalized()) : along.unitOrthogonal();
     start = leastOfParallel(points) - pair->radius - (pair->pushes ? law.thickness : 0);
-    has_way_across = false;
+    has_across = false;
   } else {
     const ClosestPoints closest = closestPoints(pair->kind, points);
     const double apart = closest.distance();
@@ -137,7 +137,7 @@ KeptGap::Turns KeptGap::turns(const BarrierLaw& law, const std::vector<Vec3>& x)
   Turns turns;
   if (!pair || free < 1) return turns;
   std::array<Vec3, 2> ways;
-  const auto goAlong = [&](std::size_t from, std::size_t to) {
+  const auto advanceRemainingMotion = [&](std::size_t from, std::size_t to) {
     if (turns.count == 2 || !(std::abs(c[from]) > none) || !(std::abs(c[to]) > none)) return;
     if (!law.surfaces.moves(v[from]) && !law.surfaces.moves(v[to])) return;  // an obstacle does not turn
     ways[std::size_t(turns.count)] = x[std::size_t(v[to])] - x[std::size_t(v[from])];
@@ -145,9 +145,9 @@ KeptGap::Turns KeptGap::turns(const BarrierLaw& law, const std::vector<Vec3>& x)
     ++turns.count;
   };
   if (pair->kind == PairKind::point_triangle)
-    goAlong(1, 2), goAlong(1, 3), goAlong(2, 3);
+    advanceRemainingMotion(1, 2), advanceRemainingMotion(1, 3), advanceRemainingMotion(2, 3);
   else
-    goAlong(0, 1), goAlong(2, 3);
+    advanceRemainingMotion(0, 1), advanceRemainingMotion(2, 3);
   for (int k = 0; k < turns.count; ++k)
     if (!(apart(law) > least * ways[std::size_t(k)].norm()) || !(ways[std::size_t(k)].norm() > 0)) turns.count = 0;
   if (turns.count == 0) return turns;
@@ -181,19 +181,19 @@ bool KeptGaps::begin(const BarrierLaw& law, const std::vector<Vec3>& x, double w
   moved_at_start_ = law.moved, way_ = way, unproved_ = 0, not_free_ = nullptr, keeps_directions_ = false;
   findPairs(law, x, ways);
   all_.clear(), watched_.clear(), watched_vertices_.clear(), flush_.begin();
-  touches_.clear(), uninvited_.clear(), next_spare_ = 0, has_spares_ = false;
+  touches_.clear(), unexpected_.clear(), next_spare_ = 0, has_spares_ = false;
   if (!law.candidates.pairs().empty()) return true;
   addPlanes(law, x);
   next_spare_ = all_.size();
   return false;
 }
 
-void KeptGaps::addPairs(const BarrierLaw& law, const ExpectedWays& ways) {
+void KeptGaps::addPairs(const BarrierLaw& law, const ExpectedMotion& ways) {
   for (const Candidate& pair : law.candidates.pairs()) add(pair, law, ways);
-  lookAtFlush(law, start_);
+  evaluateFlush(law, start_);
   for (KeptGap& gap : all_) gap.flush_at_start = gap.flush;
   addPlanes(law, start_);
-  addSpares();
+  addSpareConditions();
 }
 
 void KeptGaps::addPlanes(const BarrierLaw& law, const std::vector<Vec3>& x) {
@@ -216,11 +216,11 @@ void KeptGaps::makeGap(const Candidate& pair, bool is_rigid, const BarrierLaw& l
 }
 
 /// Most pairs are only watched, and need no more than their distance.
-void KeptGaps::add(const Candidate& pair, const BarrierLaw& law, const ExpectedWays& ways) {
+void KeptGaps::add(const Candidate& pair, const BarrierLaw& law, const ExpectedMotion& ways) {
   const double start = pair.distance - (pair.pushes ? law.thickness : 0);
   const bool is_rigid = isRigidAt(law, pair.v[0]) && isRigidAt(law, pair.v[3]);
   const auto against = [&pair, &law](const std::vector<Vec3>& all) {
-    return contact::mostAgainst(pair.kind, law.candidates.pointsOf(pair, all));
+    return contact::boundOfRelativeMotion(pair.kind, law.candidates.pointsOf(pair, all));
   };
   const bool comes = pair.pushes && start - law.range <= 2 * std::max(against(ways.last), against(ways.straight)) + ways.other;
   const auto watchAlone = [&] {
@@ -237,15 +237,15 @@ void KeptGaps::add(const Candidate& pair, const BarrierLaw& law, const ExpectedW
 }
 
 /// Rigid bodies may turn edges out of parallel in a step: these then have a condition.
-void KeptGaps::lookAtParallel(KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) {
+void KeptGaps::evaluateParallel(KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) {
   if (!gap.is_parallel_at_start || !gap.is_rigid || gap.has_closed) return;
   gap.is_parallel = isOfParallelEdges(*gap.pair, law.candidates.pointsOf(*gap.pair, x));
   gap.is_aligned = gap.is_parallel && gap.is_aligned_at_start;
-  if (!gap.is_parallel) findWayAcross(gap, law);
+  if (!gap.is_parallel) findAcross(gap, law);
 }
 
-void KeptGaps::findWayAcross(KeptGap& gap, const BarrierLaw& law) {
-  if (std::exchange(gap.has_way_across, true)) return;
+void KeptGaps::findAcross(KeptGap& gap, const BarrierLaw& law) {
+  if (std::exchange(gap.has_across, true)) return;
   KeptGap there = gap;
   there.is_aligned = false, there.place(law, start_), gap.across = there.across;
 }
@@ -255,18 +255,18 @@ void KeptGaps::look(const BarrierLaw& law, const std::vector<Vec3>& x) {
   unproved_ = beyond(law, x);
   findFirstTouches(law, x);
   bool are_kept = true;
-  giveConditions(law, x);
+  makeConditions(law, x);
   for (KeptGap& gap : all_) {
     if (gap.is_spare) continue;
     gap.is_trusted = isTrusted(gap, law, x);
-    lookAtParallel(gap, law, x);
+    evaluateParallel(gap, law, x);
     gap.is_lower_bound = gap.isFar(law);
     if (gap.is_lower_bound)
       gap.gap = gap.start - gap.moved - law.range;
     else
       gap.look(law, start_, x, gap.is_trusted);
   }
-  lookAtFlush(law, x);
+  evaluateFlush(law, x);
   for (KeptGap& gap : all_) {
     if (gap.flush == KeptGap::Flush::no && !gap.is_parallel)
       gap.has_closed = gap.has_closed || (gap.is_trusted && gap.gap < 0 && allowance(gap, law, x, tolerated_) == 0);
@@ -277,11 +277,11 @@ void KeptGaps::look(const BarrierLaw& law, const std::vector<Vec3>& x) {
     const bool is_left = are_kept && !gap.has_closed && gap.gap < -tolerated_ && is_alone;
     gap.is_active = gap.has_closed = gap.has_closed || (is_left && gap.gap < -allowance(gap, law, x, tolerated_));
   }
-  ignoreDoubles();
+  ignoreDuplicates();
   if (keeps_directions_) restoreDirections(law, x);
 }
 
-void KeptGaps::lookAtFlush(const BarrierLaw& law, const std::vector<Vec3>& x) {
+void KeptGaps::evaluateFlush(const BarrierLaw& law, const std::vector<Vec3>& x) {
   constexpr double together = 0.01, rounding = 1e-3;  // of the gap to keep
   flush_.look(all_, x, together * law.range);
   for (KeptGap& gap : all_) {
@@ -289,7 +289,7 @@ void KeptGaps::lookAtFlush(const BarrierLaw& law, const std::vector<Vec3>& x) {
       double apart = 0;
       for (std::size_t k = 1; k < 4; ++k) apart += gap.c[k] * gap.n.dot(x[std::size_t(gap.v[k])] - x[std::size_t(gap.v[0])]);
       gap.gap = gap.upright * apart - gap.pair->radius - law.thickness - law.range, gap.is_lower_bound = false;
-      findWayAcross(gap, law);
+      findAcross(gap, law);
       gap.turnTangent();
       gap.has_closed = gap.has_closed || gap.gap < rounding * law.range;
     } else if (gap.flush == KeptGap::Flush::beside) {
@@ -315,7 +315,7 @@ double KeptGaps::smallest(const BarrierLaw& law, const std::vector<Vec3>& x) {
   return least;
 }
 
-void KeptGaps::ignoreDoubles() {
+void KeptGaps::ignoreDuplicates() {
   constexpr double none = 1e-9;  // a weight
   keys_.clear();
   for (std::size_t i = 0; i < all_.size(); ++i) {

@@ -30,15 +30,15 @@ namespace stroma::contact {
 /// The number of vertices on an invalid side after a touch: the vertex, or all of two edges; none with rounded obstacles.
 inline int passing(const Candidate& pair) { return pair.radius > 0 ? 0 : pair.kind == PairKind::point_triangle ? 1 : 4; }
 /// An upper bound of the relative motion of the two sides of a pair.
-double mostAgainst(PairKind kind, const FourPoints& ways);
+double boundOfRelativeMotion(PairKind kind, const FourPoints& ways);
 /// A pair whose relative motion is below this fraction of its distance does not touch.
 constexpr double certainly_free = 0.7;
 /// An upper bound of the relative motion of a pair [m], and the fraction of the straight path without a touch.
-struct FreeWay {
+struct PathCheck {
   double moved = 0, free = 1;
 };
 /// Starts from `places` at distance `start`; a pair touches at a fiftieth of the gap to keep.
-FreeWay freeWay(const BarrierLaw& law, const Candidate& pair, double start, const FourPoints& places, const FourPoints& ways,
+PathCheck checkPath(const BarrierLaw& law, const Candidate& pair, double start, const FourPoints& places, const FourPoints& ways,
                 double slack = 0);
 
 /// Two points that are kept apart: of a pair, or of a vertex and a plane.
@@ -52,9 +52,9 @@ struct KeptGap {
   bool is_parallel = false;                 ///< edges that have a condition only at a corner of flush faces
   bool is_parallel_at_start = false, is_aligned_at_start = false;
   bool is_aligned = false;  ///< so parallel that closest points would need 113 bits: `start` is a lower bound, and n is approximate
-  bool has_way_across = true;  ///< otherwise `across` is not computed yet
+  bool has_across = true;  ///< otherwise `across` is not computed yet
   bool is_rigid = false;       ///< of rigid bodies or obstacles
-  bool is_spare = false;       ///< of no pair yet (KeptGaps::giveConditions())
+  bool is_spare = false;       ///< of no pair yet (KeptGaps::makeConditions())
   // ---- at the last evaluation of the conditions ----
   std::array<double, 4> c{};
   Vec3 n = Vec3::Zero(), tangent = Vec3::Zero();
@@ -90,7 +90,7 @@ struct KeptGap {
 };
 
 /// The motion expected in a step, of all vertices.
-struct ExpectedWays {
+struct ExpectedMotion {
   std::vector<Vec3> last, straight;  ///< that of the previous step, and that with the velocities at its end [m]
   double other = 0;                  ///< possible deviation from both [m]
 };
@@ -103,7 +103,7 @@ class KeptGaps {
   /// True: there are some, and addPairs() must follow.
   bool begin(const BarrierLaw& law, const std::vector<Vec3>& x, double way, const std::vector<double>& ways);
   /// Adds conditions for pairs that may come near.
-  void addPairs(const BarrierLaw& law, const ExpectedWays& ways);
+  void addPairs(const BarrierLaw& law, const ExpectedMotion& ways);
   /// Evaluates all gaps at x, with obstacles at their positions at the end of the step.
   void look(const BarrierLaw& law, const std::vector<Vec3>& x);
   /// Keeps the directions of the gaps active at the last x for the rest of the step.
@@ -123,33 +123,33 @@ class KeptGaps {
   Vec3 slide(const KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) const;
   void clear() {
     all_.clear(), watched_.clear(), watched_vertices_.clear(), start_.clear(), not_free_ = nullptr;
-    touches_.clear(), uninvited_.clear(), next_spare_ = 0, has_spares_ = false;
+    touches_.clear(), unexpected_.clear(), next_spare_ = 0, has_spares_ = false;
   }
 
  private:
   void addPlanes(const BarrierLaw& law, const std::vector<Vec3>& x);
-  void add(const Candidate& pair, const BarrierLaw& law, const ExpectedWays& ways);
+  void add(const Candidate& pair, const BarrierLaw& law, const ExpectedMotion& ways);
   void makeGap(const Candidate& pair, bool is_rigid, const BarrierLaw& law, KeptGap& gap) const;
   bool isRigidAt(const BarrierLaw& law, int vertex) const { return rigid_[std::size_t(law.surfaces.bodyOf(vertex))]; }
   bool isOfRigid(int a, int b) const { return a != b && rigid_[std::size_t(a)] && rigid_[std::size_t(b)]; }
-  void lookAtParallel(KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x);
-  void findWayAcross(KeptGap& gap, const BarrierLaw& law);
-  void lookAtFlush(const BarrierLaw& law, const std::vector<Vec3>& x);
-  void ignoreDoubles();
+  void evaluateParallel(KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x);
+  void findAcross(KeptGap& gap, const BarrierLaw& law);
+  void evaluateFlush(const BarrierLaw& law, const std::vector<Vec3>& x);
+  void ignoreDuplicates();
   void restoreDirections(const BarrierLaw& law, const std::vector<Vec3>& x);
   // ---- kept_proof.cpp ----
   void findPairs(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<double>& ways);
-  double lookedFor(int a, int b) const;
-  void watchFarther(const BarrierLaw& law, int a, int b, double way);
+  double searchedDistance(int a, int b) const;
+  void extendWatch(const BarrierLaw& law, int a, int b, double way);
   void watch(const Candidate& pair, const BarrierLaw& law);
-  double mostAgainst(int a, int b);
-  FreeWay freeWayOf(const BarrierLaw& law, const Candidate& pair, double start, const std::vector<Vec3>& x) const;
-  void forgiveTurning(const BarrierLaw& law, const std::vector<Vec3>& x);
-  bool areFreeTurning(const BarrierLaw& law, int a, int b, const std::vector<Vec3>& x, bool screws) const;  ///< kept_turns.cpp
-  void addSpares();
-  void giveConditions(const BarrierLaw& law, const std::vector<Vec3>& x);
-  /// Otherwise a motion of rigid bodies beyond lookedFor() is not proved.
-  bool canWatchFarther() const { return is_searched_ && has_spares_; }
+  double boundOfRelativeMotion(int a, int b);
+  PathCheck checkPathOf(const BarrierLaw& law, const Candidate& pair, double start, const std::vector<Vec3>& x) const;
+  void removeTouchesOfRotations(const BarrierLaw& law, const std::vector<Vec3>& x);
+  bool areFreeWhileRotating(const BarrierLaw& law, int a, int b, const std::vector<Vec3>& x, bool screws) const;  ///< kept_turns.cpp
+  void addSpareConditions();
+  void makeConditions(const BarrierLaw& law, const std::vector<Vec3>& x);
+  /// Otherwise a motion of rigid bodies beyond searchedDistance() is not proved.
+  bool canExtendWatch() const { return is_searched_ && has_spares_; }
   bool boxDisplacements(const BarrierLaw& law, const std::vector<Vec3>& x);
   bool isWithin(const BarrierLaw& law, const std::vector<Vec3>& x);
   double beyond(const BarrierLaw& law, const std::vector<Vec3>& x);
@@ -173,7 +173,7 @@ class KeptGaps {
     int a, b;
   };
   /// Two rigid bodies whose pairs are watched because one has moved beyond ways_.
-  struct Farther {
+  struct ExtendedWatch {
     int a, b;
     double way;  ///< [m]
   };
@@ -186,16 +186,16 @@ class KeptGaps {
     int a, b;      ///< bodies, the smaller number first
   };
   std::vector<Touch> touches_;  ///< at the last x
-  std::vector<const Candidate*> uninvited_;  ///< watched pairs of rigid bodies that touch or are nearer than the gap to keep
+  std::vector<const Candidate*> unexpected_;  ///< watched pairs of rigid bodies that touch or are nearer than the gap to keep
   std::size_t next_spare_ = 0;  ///< in all_
   bool is_searched_ = false, has_spares_ = false;  ///< in this step
   static constexpr double untouched = 2;  ///< in first_
   std::vector<KeptGap> all_;  ///< with a condition
   std::vector<Watched> watched_;
   std::vector<double> ways_;  ///< per body: expected motion in this step [m]
-  std::vector<Farther> farther_;
-  std::deque<Candidate> farther_pairs_;
-  std::array<int, 2> of_pair_{-1, -1};  ///< the bodies of most_of_pair_, which mostAgainst() was asked for last
+  std::vector<ExtendedWatch> extended_;
+  std::deque<Candidate> extended_pairs_;
+  std::array<int, 2> of_pair_{-1, -1};  ///< the bodies of most_of_pair_, which boundOfRelativeMotion() was asked for last
   double most_of_pair_ = 0;
   bool are_boxes_known_ = false;        ///< around_ are up to date
   std::vector<int> watched_vertices_;

@@ -14,32 +14,32 @@
 namespace stroma::contact {
 
 void KeptGaps::findPairs(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<double>& ways) {
-  ways_ = ways, farther_.clear(), farther_pairs_.clear();
+  ways_ = ways, extended_.clear(), extended_pairs_.clear();
   double most = way_;
   for (const double each : ways) most = std::max(most, each);
   is_searched_ = !law.candidates.areFarther(x, law.candidates.reach + 2 * most);
   if (!is_searched_)
     std::ranges::fill(ways_, most);  // all of them are that far apart
   else
-    law.candidates.findWithin(x, [&](int a, int b) { return lookedFor(a, b) / 2; });
+    law.candidates.findWithin(x, [&](int a, int b) { return searchedDistance(a, b) / 2; });
 }
 
 /// How far two bodies may move against each other without meeting in a pair that nobody looks at [m].
-double KeptGaps::lookedFor(int a, int b) const {
+double KeptGaps::searchedDistance(int a, int b) const {
   if (a == b || !rigid_[std::size_t(a)] || !rigid_[std::size_t(b)]) return 2 * way_;
-  for (const Farther& each : farther_)
+  for (const ExtendedWatch& each : extended_)
     if (each.a == std::min(a, b) && each.b == std::max(a, b)) return each.way;
   return ways_[std::size_t(a)] + ways_[std::size_t(b)];
 }
 
 /// Watches the pairs of two rigid bodies that have come farther than they were looked for.
-void KeptGaps::watchFarther(const BarrierLaw& law, int a, int b, double way) {
-  const double before = lookedFor(a, b), now = 2 * way, reach = law.candidates.reach;
-  const std::size_t known = farther_pairs_.size();
-  law.candidates.addFarther(a, b, start_, reach + before, reach + now, farther_pairs_);
-  for (std::size_t i = known; i < farther_pairs_.size(); ++i) watch(farther_pairs_[i], law);
-  std::erase_if(farther_, [&](const Farther& each) { return each.a == std::min(a, b) && each.b == std::max(a, b); });
-  farther_.push_back({std::min(a, b), std::max(a, b), now});
+void KeptGaps::extendWatch(const BarrierLaw& law, int a, int b, double way) {
+  const double before = searchedDistance(a, b), now = 2 * way, reach = law.candidates.reach;
+  const std::size_t known = extended_pairs_.size();
+  law.candidates.addFarther(a, b, start_, reach + before, reach + now, extended_pairs_);
+  for (std::size_t i = known; i < extended_pairs_.size(); ++i) watch(extended_pairs_[i], law);
+  std::erase_if(extended_, [&](const ExtendedWatch& each) { return each.a == std::min(a, b) && each.b == std::max(a, b); });
+  extended_.push_back({std::min(a, b), std::max(a, b), now});
 }
 
 void KeptGaps::watch(const Candidate& pair, const BarrierLaw& law) {
@@ -48,22 +48,23 @@ void KeptGaps::watch(const Candidate& pair, const BarrierLaw& law) {
 }
 
 /// Of bodies a and b, from the boxes around their displacements [m].
-double KeptGaps::mostAgainst(int a, int b) {
+double KeptGaps::boundOfRelativeMotion(int a, int b) {
   if (!are_boxes_known_) return std::numeric_limits<double>::infinity();
-  if (a != of_pair_[0] || b != of_pair_[1]) of_pair_ = {a, b}, most_of_pair_ = mostApart(around_[std::size_t(a)], around_[std::size_t(b)]);
+  if (a != of_pair_[0] || b != of_pair_[1])
+    of_pair_ = {a, b}, most_of_pair_ = boundOfDifference(around_[std::size_t(a)], around_[std::size_t(b)]);
   return most_of_pair_;
 }
 
-FreeWay KeptGaps::freeWayOf(const BarrierLaw& law, const Candidate& pair, double start, const std::vector<Vec3>& x) const {
+PathCheck KeptGaps::checkPathOf(const BarrierLaw& law, const Candidate& pair, double start, const std::vector<Vec3>& x) const {
   const FourPoints places = law.candidates.pointsOf(pair, start_);
   FourPoints ways = law.candidates.pointsOf(pair, x);
   for (std::size_t k = 0; k < 4; ++k) ways[k] -= places[k];
-  return freeWay(law, pair, start, places, ways);
+  return checkPath(law, pair, start, places, ways);
 }
 
 /// Makes touches_ those of the straight ways, less what rigid bodies go around as they turn, and what follows from them.
 void KeptGaps::findFirstTouches(const BarrierLaw& law, const std::vector<Vec3>& x) {
-  touches_.clear(), uninvited_.clear(), not_free_ = nullptr;
+  touches_.clear(), unexpected_.clear(), not_free_ = nullptr;
   if (all_.empty() && watched_.empty()) return;
   const Surfaces& s = law.surfaces;
   const auto touch = [&](const Candidate& pair, double free, KeptGap* gap) {
@@ -73,32 +74,32 @@ void KeptGaps::findFirstTouches(const BarrierLaw& law, const std::vector<Vec3>& 
   for (KeptGap& gap : all_) {
     gap.free = 1;
     if (!gap.pair) continue;
-    const double most = mostAgainst(s.bodyOf(gap.v[0]), s.bodyOf(gap.v[3]));
+    const double most = boundOfRelativeMotion(s.bodyOf(gap.v[0]), s.bodyOf(gap.v[3]));
     if (gap.staysFar(law, most)) {
       gap.moved = most;
       continue;
     }
-    const FreeWay way = freeWayOf(law, *gap.pair, gap.start, x);
+    const PathCheck way = checkPathOf(law, *gap.pair, gap.start, x);
     gap.moved = way.moved, gap.free = way.free;
     if (gap.free < 1) touch(*gap.pair, gap.free, &gap);
   }
   for (const Watched& each : watched_) {
-    const double most = mostAgainst(each.a, each.b);
+    const double most = boundOfRelativeMotion(each.a, each.b);
     if (each.start > 0 && most < certainly_free * each.start && each.start - most > law.range) continue;
-    const FreeWay way = freeWayOf(law, *each.pair, each.start, x);
+    const PathCheck way = checkPathOf(law, *each.pair, each.start, x);
     if (way.free < 1) touch(*each.pair, way.free, nullptr);
     const bool may_be_near = isOfRigid(each.a, each.b) && each.pair->pushes && each.start - way.moved < law.range;
     if (way.free < 1 || !may_be_near) continue;
     const double apart = leastDistance(each.pair->kind, law.candidates.pointsOf(*each.pair, x)) - each.pair->radius - law.thickness;
-    if (apart < law.range) uninvited_.push_back(each.pair);
+    if (apart < law.range) unexpected_.push_back(each.pair);
   }
   if (touches_.empty()) return;
-  forgiveTurning(law, x);
+  removeTouchesOfRotations(law, x);
   first_.assign(x.size(), untouched);
   double least = untouched;
   for (const Touch& each : touches_) {
     unproved_ = std::max(unproved_, law.range);
-    if (!each.gap && each.is_rigid && each.pair->pushes) uninvited_.push_back(each.pair);
+    if (!each.gap && each.is_rigid && each.pair->pushes) unexpected_.push_back(each.pair);
     if (each.free < least) least = each.free, not_free_ = each.pair;
     for (int k = 0; k < passing(*each.pair); ++k) {
       double& first = first_[std::size_t(each.pair->v[std::size_t(k)])];
@@ -108,7 +109,7 @@ void KeptGaps::findFirstTouches(const BarrierLaw& law, const std::vector<Vec3>& 
 }
 
 /// For what comes near and was not expected to.
-void KeptGaps::addSpares() {
+void KeptGaps::addSpareConditions() {
   constexpr std::size_t some = 32, part = 4;
   next_spare_ = all_.size();
   if (std::ranges::count_if(rigid_, [](char each) { return each != 0; }) < 2) return;
@@ -119,11 +120,11 @@ void KeptGaps::addSpares() {
 }
 
 /// Watched pairs that have come near become conditions. Without a condition the step is not proved.
-void KeptGaps::giveConditions(const BarrierLaw& law, const std::vector<Vec3>& x) {
-  if (uninvited_.empty()) return;
-  std::ranges::sort(uninvited_, [](const Candidate* a, const Candidate* b) { return *a < *b; });
+void KeptGaps::makeConditions(const BarrierLaw& law, const std::vector<Vec3>& x) {
+  if (unexpected_.empty()) return;
+  std::ranges::sort(unexpected_, [](const Candidate* a, const Candidate* b) { return *a < *b; });
   const std::size_t first = next_spare_;
-  for (const Candidate* pair : uninvited_) {
+  for (const Candidate* pair : unexpected_) {
     if (next_spare_ >= all_.size()) {
       unproved_ = std::max(unproved_, law.range);
       if (!not_free_) not_free_ = pair;
@@ -131,7 +132,7 @@ void KeptGaps::giveConditions(const BarrierLaw& law, const std::vector<Vec3>& x)
     }
     KeptGap& gap = all_[next_spare_++];
     makeGap(*pair, true, law, gap);
-    gap.moved = freeWayOf(law, *pair, gap.start, x).moved;
+    gap.moved = checkPathOf(law, *pair, gap.start, x).moved;
   }
   for (Touch& each : touches_)
     for (std::size_t i = first; i < next_spare_; ++i)
@@ -143,14 +144,14 @@ void KeptGaps::giveConditions(const BarrierLaw& law, const std::vector<Vec3>& x)
 }
 
 /// Takes away touches of bodies that go around each other.
-void KeptGaps::forgiveTurning(const BarrierLaw& law, const std::vector<Vec3>& x) {
+void KeptGaps::removeTouchesOfRotations(const BarrierLaw& law, const std::vector<Vec3>& x) {
   std::ranges::stable_sort(touches_, {}, [](const Touch& each) { return std::array{each.a, each.b}; });
   std::array<int, 2> last{-1, -1};
   bool are_free = false;
   std::erase_if(touches_, [&](const Touch& each) {
     if (!each.is_rigid) return false;
     if (const std::array now{each.a, each.b}; now != last)
-      last = now, are_free = areFreeTurning(law, each.a, each.b, x, false) || areFreeTurning(law, each.a, each.b, x, true);
+      last = now, are_free = areFreeWhileRotating(law, each.a, each.b, x, false) || areFreeWhileRotating(law, each.a, each.b, x, true);
     if (are_free && each.gap) each.gap->free = 1;
     return are_free;
   });
@@ -165,7 +166,7 @@ bool KeptGaps::isTrusted(const KeptGap& gap, const BarrierLaw& law, const std::v
   if (gap.free == first) return true;
   FourPoints ways;
   for (std::size_t k = 0; k < 4; ++k) ways[k] = x[std::size_t(gap.v[k])] - start_[std::size_t(gap.v[k])];
-  return gap.passing() == 0 || (gap.free - first) * contact::mostAgainst(gap.pair->kind, ways) <= together * law.range;
+  return gap.passing() == 0 || (gap.free - first) * contact::boundOfRelativeMotion(gap.pair->kind, ways) <= together * law.range;
 }
 
 /// Of two bodies that may meet, and of each that planes may meet with -1.
@@ -200,11 +201,11 @@ bool KeptGaps::isWithin(const BarrierLaw& law, const std::vector<Vec3>& x) {
   of_planes.add(Vec3(law.moved - moved_at_start_));
   bool is_within = true;
   forEachMeeting(law, [&](int a, int b) {
-    const double most = mostApart(around_[std::size_t(a)], b < 0 ? of_planes : around_[std::size_t(b)]);
+    const double most = boundOfDifference(around_[std::size_t(a)], b < 0 ? of_planes : around_[std::size_t(b)]);
     if (b >= 0 && isOfRigid(a, b)) {
-      if (!(most > ways_[std::size_t(a)] + ways_[std::size_t(b)] && most > lookedFor(a, b))) return;
-      if (canWatchFarther())
-        watchFarther(law, a, b, most);
+      if (!(most > ways_[std::size_t(a)] + ways_[std::size_t(b)] && most > searchedDistance(a, b))) return;
+      if (canExtendWatch())
+        extendWatch(law, a, b, most);
       else
         is_within = false;
     } else {
@@ -225,10 +226,10 @@ double KeptGaps::beyond(const BarrierLaw& law, const std::vector<Vec3>& x) {
   double most = 0;  // above what pairs were searched for
   forEachMeeting(law, [&](int a, int b) {
     const bool is_rigid = b >= 0 && isOfRigid(a, b);
-    if (are_boxes_known_ && is_rigid && canWatchFarther()) return;
-    const double motion = mostApart(moved_[std::size_t(a)], b < 0 ? of_planes : moved_[std::size_t(b)]);
+    if (are_boxes_known_ && is_rigid && canExtendWatch()) return;
+    const double motion = boundOfDifference(moved_[std::size_t(a)], b < 0 ? of_planes : moved_[std::size_t(b)]);
     const bool is_above = are_boxes_known_ && b < 0 && rigid_[std::size_t(a)] && motion > 2 * way_ && isAbovePlanes(law, a, x);
-    if (!is_above) most = std::max(most, motion - (is_rigid ? lookedFor(a, b) : 2 * way_));
+    if (!is_above) most = std::max(most, motion - (is_rigid ? searchedDistance(a, b) : 2 * way_));
   });
   return most;
 }

@@ -51,7 +51,7 @@ struct RigidMotion {
 }  // namespace
 
 /// All pairs of a and b are free on a way on which both keep their shapes.
-bool KeptGaps::areFreeTurning(const BarrierLaw& law, int a, int b, const std::vector<Vec3>& x, bool screws) const {
+bool KeptGaps::areFreeWhileRotating(const BarrierLaw& law, int a, int b, const std::vector<Vec3>& x, bool screws) const {
   constexpr double part = 0.02;  // of the gap to keep
   const Surfaces& s = law.surfaces;
   const auto motionOf = [&](int body) {
@@ -69,7 +69,7 @@ bool KeptGaps::areFreeTurning(const BarrierLaw& law, int a, int b, const std::ve
   const double slack = leaves(of_a) + leaves(of_b);
   // no vertex of the two moves farther against one of the other than by d and what both turn
   const double way = (of_a.d - of_b.d).norm() + of_a.size * of_a.turn.angle() + of_b.size * of_b.turn.angle();
-  if (!(way <= lookedFor(a, b))) return false;
+  if (!(way <= searchedDistance(a, b))) return false;
   const auto isFree = [&](const Candidate& pair, double start) {
     if (start > 0 && way < certainly_free * start) return true;
     const auto placesAt = [&](int piece) {
@@ -84,7 +84,7 @@ bool KeptGaps::areFreeTurning(const BarrierLaw& law, int a, int b, const std::ve
       FourPoints ways = next;
       for (std::size_t k = 0; k < 4; ++k) ways[k] -= places[k];
       const double apart = piece == 0 ? start : leastDistance(pair.kind, places) - pair.radius - (pair.pushes ? law.thickness : 0);
-      if (freeWay(law, pair, apart, places, ways, slack).free < 1) return false;
+      if (checkPath(law, pair, apart, places, ways, slack).free < 1) return false;
       places = next;
     }
     return true;

@@ -56,7 +56,7 @@ namespace {
 
 using namespace contact;
 
-class PenaltyContact final : public ContactField, public HearsSteps {
+class PenaltyContact final : public ContactField, public StepListener {
  public:
   void declare(DataTable& table) override;
   ForceTraits traits() const override {
@@ -126,9 +126,9 @@ void PenaltyContact::init() {
   for (const Node* node = &state().node(); node && !integrator_; node = node->parent())
     for (const auto& component : node->components())
       if (!integrator_) integrator_ = dynamic_cast<const Integrator*>(component.get());
-  const auto* heeds = dynamic_cast<const HeedsStepLimits*>(integrator_);
+  const auto* heeds = dynamic_cast<const RespectsStepLimits*>(integrator_);
   friction_.is_damped = !integrator_ || integrator_->toleratesLaggedForces();
-  is_explicit_ = heeds && heeds->howToHeedStepLimits().empty() && integrator_->movesInTime() && !integrator_->stateOwner();
+  is_explicit_ = heeds && heeds->howToRespectStepLimits().empty() && integrator_->movesInTime() && !integrator_->stateOwner();
 }
 
 /// What is not found until it is nearer than contactDistance is pushed too late, or never.
@@ -149,8 +149,8 @@ void PenaltyContact::compile() {
 
 PenaltyContact::Solves PenaltyContact::solves() const {
   if (is_explicit_) return Solves::never;
-  const auto* heeds = dynamic_cast<const HeedsStepLimits*>(integrator_);
-  return heeds && !heeds->heedsStepLimits() ? Solves::once : Solves::often;
+  const auto* heeds = dynamic_cast<const RespectsStepLimits*>(integrator_);
+  return heeds && !heeds->respectsStepLimits() ? Solves::once : Solves::often;
 }
 
 /// Of the step that has ended where this one starts, with the touches there.

@@ -157,7 +157,7 @@ void StepEnergy::giveUp() {
 }
 
 void StepEnergy::forget() {
-  RigidWays ways = std::move(ways_);
+  RigidPaths ways = std::move(ways_);
   *this = {};
   ways_ = std::move(ways);
 }

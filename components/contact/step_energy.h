@@ -23,7 +23,7 @@
 #include <string>
 
 #include "components/contact/contact_friction.h"
-#include "components/contact/rigid_ways.h"
+#include "components/contact/rigid_paths.h"
 #include "framework/scene/archive.h"
 
 namespace stroma::contact {
@@ -104,7 +104,7 @@ class StepEnergy {
   std::vector<Vec3> end_;           ///< all vertices at the end of the last step
   Vec3 moved_ = Vec3::Zero();       ///< displacement of obstacles there
   std::array<double, 6> law_{};     ///< parameters of U there
-  RigidWays ways_;
+  RigidPaths ways_;
 };
 
 }  // namespace stroma::contact

@@ -3,13 +3,16 @@
 // expected ends it with exit code 1 and the numbers.
 //
 // `of` names what is compared:
-//   PATH.displacement, .position, .velocity    of the nodes of a state, at `nodes` or all; `axis` x, y, z, all three, or norm
+//   PATH.displacement, .position, .velocity    of the nodes of a state, at `nodes` or all; `axis` x, y, z, all three, or norm.
+//                                              Of frames their centres; of Vec1, Vec2 and Vec6 all numbers, x to z are the first
+//   PATH.orientation, .angularVelocity         of frames: the shortest rotation vector [rad], and w [rad/s], in fixed axes
 //   PATH.volume                                of the cells of a state's mesh, or behind its closed surface [m^3]
 //   PATH.NAME                                  any attribute of numbers of any component; `nodes` are then places in its list
 //   PATH.stress, .vonMises, .J ...             fields of the cells of a force field: the numbers of each cell one after another,
 //                                              so that number k of cell c is at place 6 c + k of a stress (xx yy zz xy yz zx);
 //                                              `nodes` of one whose mesh has changed since the start are a failure, not other cells
 //   kinetic_energy, elastic_energy, gravity_energy, total_energy    of the scene [J]
+//   linear_momentum, angular_momentum          of all masses on points and frames, about the origin [kg m/s], [kg m^2/s]; `axis`
 //   energy_drift                               |E - E_0| over the largest |E|, kinetic energy or |E_0| so far, E the total
 //   linear_iterations, newton_iterations       of the step that takes most
 //
@@ -37,6 +40,7 @@
 #include <optional>
 #include <string>
 
+#include "components/formulas/expected_values.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_lists.h"
 #include "framework/scene/archive.h"
@@ -74,13 +78,6 @@ class Formula {
   mu::Parser parser_;
   double t_ = 0;
   Vec3 place_ = Vec3::Zero();
-};
-
-/// A number, what it is called, and where its node is at rest.
-struct Value {
-  double number;
-  std::string name;
-  Vec3 place = Vec3::Zero();
 };
 
 /// The numbers of an attribute, flat, and how many belong together.
@@ -154,11 +151,11 @@ class Expect final : public Observer, public Expectation {
   enum class When : int { end, always } always_ = When::end;
   enum class Axis : int { all, x, y, z, norm } axis_ = Axis::all;
   bool isWord(const char* word) const { return of_ == word; }
+  bool isMomentum() const { return isWord("linear_momentum") || isWord("angular_momentum"); }
   bool namesCells() const { return field_ && !nodes_.empty(); }
   double countOfField(const Simulation& simulation) const;
   std::vector<Value> values(const Simulation& simulation) const;
   void findNumbers(const Simulation& simulation);
-  std::vector<Value> nodeValues() const;
   std::vector<Value> listValues() const;
   double volume() const;
   double sceneValue(const Simulation& simulation) const;
@@ -184,8 +181,10 @@ class Expect final : public Observer, public Expectation {
   std::string failure_;
 };
 
-constexpr std::array<const char*, 7> scene_words = {"kinetic_energy", "elastic_energy", "gravity_energy", "total_energy",
-                                                    "energy_drift",   "linear_iterations", "newton_iterations"};
+constexpr std::array<const char*, 9> scene_words = {
+    "kinetic_energy", "elastic_energy", "gravity_energy",  "total_energy",    "energy_drift", "linear_iterations",
+    "newton_iterations", "linear_momentum", "angular_momentum"};
+constexpr std::array<const char*, 6> node_words = {"displacement", "position", "velocity", "volume", "orientation", "angularVelocity"};
 
 void Expect::declare(DataTable& table) {
   table.add("of", of_).help("what is compared: PATH.NAME, or an energy or iterations of the scene").required();
@@ -206,7 +205,10 @@ void Expect::compile(const Simulation& simulation) {
   if (!below_.empty()) lower_.read(below_, "below");
   if (!above_.empty()) upper_.read(above_, "above");
   if (!std::is_sorted(at_.begin(), at_.end())) throw ComponentError("the times of `at` do not ascend", "ascending times");
-  if (std::find(scene_words.begin(), scene_words.end(), of_) != scene_words.end()) return;
+  if (std::find(scene_words.begin(), scene_words.end(), of_) != scene_words.end()) {
+    if (isMomentum()) checkMomentum(simulation.systems());
+    return;
+  }
   const auto dot = of_.rfind('.');
   const std::string path = of_.substr(of_.starts_with("@") ? 1 : 0, dot == std::string::npos ? dot : dot - of_.starts_with("@"));
   owner_ = dot == std::string::npos ? nullptr : findComponent(simulation.root(), path);
@@ -219,12 +221,14 @@ void Expect::compile(const Simulation& simulation) {
                          "PATH.NAME with the path of a component, or a word such as energy_drift", nearest(path, names));
   }
   name_ = of_.substr(dot + 1);
-  const bool of_nodes = name_ == "displacement" || name_ == "position" || name_ == "velocity" || name_ == "volume";
+  const bool of_nodes = std::find(node_words.begin(), node_words.end(), name_) != node_words.end();
   state_ = of_nodes ? dynamic_cast<const State*>(owner_) : nullptr;
   if (!state_) findNumbers(simulation);
   if (field_ && axis_ != Axis::all)
     throw ComponentError(fmt::format("`axis` chooses of vectors, and {} is a field of cells", of_), "places of its numbers as `nodes`");
   if (state_ && name_ == "volume" && !topologyOf(*state_)) throw ComponentError(state_->path() + " has no mesh, so it has no volume");
+  if (state_ && (name_ == "orientation" || name_ == "angularVelocity") && !state_->hasFrames())
+    throw ComponentError(fmt::format("the nodes of {} have no orientation", state_->path()), "a state of template Rigid3");
   if (state_ && name_ != "volume")
     for (const int node : nodes_)
       if (node >= state_->nodes())
@@ -290,10 +294,15 @@ void Expect::end(const Simulation& simulation) {
 }
 
 std::vector<Value> Expect::values(const Simulation& simulation) const {
+  const Chosen chosen{of_, int(axis_), nodes_};
+  if (isMomentum()) {
+    simulation.complete();
+    return momentumOf(simulation.systems(), isWord("angular_momentum"), chosen);
+  }
   if (!owner_) return {{sceneValue(simulation), of_}};
   if (field_) simulation.complete();
   if (!state_) return listValues();
-  return name_ == "volume" ? std::vector<Value>{{volume(), of_}} : nodeValues();
+  return name_ == "volume" ? std::vector<Value>{{volume(), of_}} : nodeValues(*state_, name_, chosen);
 }
 
 double Expect::sceneValue(const Simulation& simulation) const {
@@ -305,27 +314,6 @@ double Expect::sceneValue(const Simulation& simulation) const {
   if (isWord("gravity_energy")) return gravity;
   if (isWord("total_energy")) return total;
   return scale_ > 0 ? std::abs(total - start_) / scale_ : 0;
-}
-
-/// With the axes that are asked for.
-void appendVector(const Vec3& v, int axis, const std::string& name, const Vec3& place, std::vector<Value>& out) {
-  for (int c = 0; c < 3; ++c)
-    if (axis == 0 || axis == c + 1) out.push_back({v[c], name + " " + "xyz"[c], place});
-  if (axis == 4) out.push_back({v.norm(), name + " norm", place});
-}
-
-std::vector<Value> Expect::nodeValues() const {
-  std::vector<Value> all;
-  const ConstRows rows = name_ == "velocity" ? state_->v() : state_->x();
-  const auto add = [&](Index node) {
-    const Index row = node * state_->rows_per_node;
-    const Vec3& rest = state_->rest_position[std::size_t(row)];
-    const Vec3 value = name_ == "displacement" ? Vec3(rows[row] - rest) : Vec3(rows[row]);
-    appendVector(value, int(axis_), fmt::format("{} node {}", of_, node), rest, all);
-  };
-  for (const int node : nodes_) add(node);
-  for (Index node = 0; nodes_.empty() && node < state_->nodes(); ++node) add(node);
-  return all;
 }
 
 std::vector<Value> Expect::listValues() const {

@@ -22,15 +22,15 @@ bool Multipliers::areFree() {
   });
 }
 
-void Multipliers::giveNone() {
+void Multipliers::clearForces() {
   solve_.l.setZero(solve_.g.size());
   knows_forces_ = true;
   give();
 }
 
-bool Multipliers::keepWay() {
+bool Multipliers::keepInitialViolation() {
   constexpr double held = 1e-9;  // of the place: less is no way
-  share_of_way_ = 1;
+  violation_share_ = 1;
   findConditions();
   const double size = largest(system_->independent(system_->x));
   way_.assign(rows_.rows().size(), 0);
@@ -46,12 +46,12 @@ bool Multipliers::keepWay() {
 }
 
 /// g(x) becomes g(x) - (1 - share) g(x0).
-void Multipliers::leaveOutWay() {
+void Multipliers::subtractInitialViolation() {
   const LagrangianRows all = std::exchange(rows_, {});
   std::size_t next = 0;
   for (std::size_t i = 0; i < way_.size(); ++i) {
     const LagrangianRows::Row& row = all.rows()[i];
-    rows_.begin(row.kind, row.value - (1 - share_of_way_) * way_[i], row.factor);
+    rows_.begin(row.kind, row.value - (1 - violation_share_) * way_[i], row.factor);
     for (const auto& [at, gradient] : all.entriesOf(row)) rows_.add(at, gradient);
     for (; next < all.bends().size() && all.bends()[next].row == i; ++next) {
       rows_.bend(all.bends()[next].size);
@@ -67,7 +67,7 @@ void Multipliers::carry(Rows out) {
   const Rows sum = carried_.beginChange();
   for (std::size_t i = 0; i < rows_.rows().size(); ++i)
     if (const double p = rule_.weight * solve_.l[Eigen::Index(i)]; p != 0) {
-      if (!isAimed(i)) takeDirection(i);
+      if (!hasDirection(i)) takeDirection(i);
       axpy(p, directions_[i], sum);
     }
   carried_.change(out);

@@ -34,9 +34,9 @@
 namespace stroma {
 namespace {
 
-class CentralDifferenceSolver final : public Integrator, public HeedsStepLimits {
+class CentralDifferenceSolver final : public Integrator, public RespectsStepLimits {
  public:
-  bool heedsStepLimits() const override { return true; }
+  bool respectsStepLimits() const override { return true; }
   void declare(DataTable& table) override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;

@@ -63,7 +63,7 @@ StepReport ConditionedStatics::solveInParts(Newton& newton, LinearSolver& solver
   if (report.stopped || is_sure || smallest > first_part) return report;
   Vector reached(start_.count());
   copy(x(), reached), copy(before, x());
-  const bool has_way = multipliers_.keepWay() || system_->constraints().hasPrescribed();
+  const bool has_way = multipliers_.keepInitialViolation() || system_->constraints().hasPrescribed();
   copy(reached, x());
   if (!has_way) return report;
   copy(before, x());

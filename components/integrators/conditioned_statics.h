@@ -47,7 +47,7 @@ class ConditionedStatics final : public NonlinearProblem {
   /// At the start of a step: no condition needs a force.
   bool areFree() { return multipliers_.begin(rule, true), multipliers_.areFree(); }
   /// At the end of a step made without them: no condition needs a force, and none is prescribed.
-  bool stayFree() { return multipliers_.areFree() && (multipliers_.giveNone(), true); }
+  bool stayFree() { return multipliers_.areFree() && (multipliers_.clearForces(), true); }
   /// Makes a step from the present x as a whole, with the conditions at its end. `advance` moves x to prescribed positions, and returns
   /// false when it is there; `retry` changes the tangent after a failed solve, for another one from the same x, or returns false.
   StepReport solve(Newton& newton, LinearSolver& solver, StopToken stop, const std::function<bool(StepReport&)>& advance,
@@ -67,14 +67,14 @@ class ConditionedStatics final : public NonlinearProblem {
   // ---- the equations for Newton's method ----
   void residual(Rows out) override;
   SystemMatrix& tangent() override { return whole_.of(system_->matrix().withFactors({.stiffness = -1})); }
-  void keepToFree(Rows d) const override { stroma::keepToFree(*system_, d); }
+  void projectToFree(Rows d) const override { stroma::projectToFree(*system_, d); }
   double energy() override { return 0; }  // never called
   Rows unknowns() override { return way_; }
   void unknownsChanged() override;
   double displacementPerUnknown() const override { return 1; }
   LightBodies* lightBodies() override { return &bodies_; }
   ConstRows positions() const override { return x(); }
-  void takeMeasure() override {
+  void updateNorms() override {
     if (system_->motion().turns()) measure_.take(tangent());
   }
   double sizeOf(ConstRows residual) const override { return measure_.force(residual); }

@@ -31,7 +31,7 @@ double ConditionsNewton::size() const {
 
 StepReport ConditionsNewton::solve(Newton& newton, LinearSolver& solver, StopToken stop, StepReport report) {
   const NewtonSettings& settings = newton.settings;
-  multipliers_->aim();
+  multipliers_->updateDirections();
   longest_ = moved_ = 0, iterations_ = 0, swings_ = was_crushed_ = false;
   least_ = std::numeric_limits<double>::infinity(), least_at_ = 0;
   clear(way_);
@@ -41,7 +41,7 @@ StepReport ConditionsNewton::solve(Newton& newton, LinearSolver& solver, StopTok
   history.clear();
   const int first = report.newton_iterations, most = settings.iterations;
   problem_->residual(residual_);
-  problem_->takeMeasure();
+  problem_->updateNorms();
   if (LightBodies* const bodies = problem_->lightBodies()) bodies->begin(residual_, problem_->weightOfForces());
   for (double now;;) {
     const double of_all = problem_->sizeOf(residual_);
@@ -119,7 +119,7 @@ std::string ConditionsNewton::tellLeft(const NewtonSettings& settings) const {
 }
 
 /// Where the conditions hold: `now`, of size(), has not become half of the least for longer than mixing needs, and the way turns.
-void ConditionsNewton::noteSwing(double now) {
+void ConditionsNewton::noteOscillation(double now) {
   constexpr int long_enough = 12;
   constexpr double part = 1e-4;  // of the scale
   if (!(now > 0.5 * least_)) least_ = now, least_at_ = iterations_;
@@ -136,13 +136,13 @@ bool ConditionsNewton::iterate(Newton& newton, LinearSolver& solver, double& now
   const Rows u = problem_->unknowns();
   copy(u, last_);
   if (!solveOrShift(solver, problem_->tangent(), residual_, direction_, {.stop = stop}, report)) return false;
-  problem_->keepToFree(direction_);
+  problem_->projectToFree(direction_);
   report.reason.clear();
   axpy(1, direction_, u);
   problem_->unknownsChanged();
   report.constraints_converged = true;
   report.constraint_reason.clear();
-  multipliers_->correct(solver, problem_->tangent(), problem_->sinceStart(), direction_, stop, report);
+  multipliers_->correct(solver, problem_->tangent(), problem_->changeSinceStart(), direction_, stop, report);
   if (report.failed()) return false;
   multipliers_->carry(load_);
   holds_ = !multipliers_->wasLeft();
@@ -150,7 +150,7 @@ bool ConditionsNewton::iterate(Newton& newton, LinearSolver& solver, double& now
   axpy(-1, last_, direction_);
   moved_ = problem_->displacementPerUnknown() * norm(direction_);
   const double before = std::exchange(now, residual());
-  noteSwing(now);
+  noteOscillation(now);
   if (longest_ == 0) longest_ = moved_;
   if (!std::isfinite(now)) {
     goWhereFinite(now);
@@ -185,7 +185,7 @@ void ConditionsNewton::goShare(double share) {
   axpy(share, direction_, u);
   problem_->unknownsChanged();
   multipliers_->carryShare(share, load_);
-  multipliers_->aim();
+  multipliers_->updateDirections();
   holds_ = false;
 }
 
@@ -201,12 +201,12 @@ void ConditionsNewton::goMixed(double& now) {
     copy(unmixed_, u);
     axpy(-1, multipliers_->carried(), load_);
     axpy(1, unmixed_forces_, load_);
-    multipliers_->carryAgain(unmixed_forces_);
+    multipliers_->restoreCarried(unmixed_forces_);
     mixing_.restart();
     problem_->unknownsChanged();
     now = residual();
   }
-  multipliers_->aim();
+  multipliers_->updateDirections();
   holds_ = false;
 }
 

@@ -35,7 +35,7 @@ class ConditionsNewton {
 
  private:
   bool iterate(Newton& newton, LinearSolver& solver, double& now, StopToken stop, StepReport& report);
-  void noteSwing(double now);
+  void noteOscillation(double now);
   void goWhereFinite(double& now);
   void goShare(double share);
   void goMixed(double& now);

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "components/integrators/exact_tangent.h"
-#include "components/integrators/lent_energy.h"
+#include "components/integrators/solve_potential.h"
 #include "components/integrators/light_bodies.h"
 #include "components/integrators/newton.h"
 #include "components/integrators/whole_matrix.h"
@@ -60,18 +60,18 @@ class Equilibrium final : public NonlinearProblem {
   void leaveOut(Rows out) const {
     if (share_ < 1) axpy(share_ - 1, start_force_, out);
   }
-  void keepToFree(Rows d) const override { stroma::keepToFree(*system_, d); }
+  void projectToFree(Rows d) const override { stroma::projectToFree(*system_, d); }
   bool useDefiniteTangent(bool definite) override { return useDefiniteTangents(*system_, definite); }
   SystemMatrix& tangent() override { return whole_.of(system_->matrix().withFactors({.stiffness = -1})); }
   /// The gradient of the second part is (1 - s) f0.
   double energy() override {
-    double sum = system_->potentialEnergy(system_->x) + (lends_energy_ ? lentEnergy(*system_) : 0);
+    double sum = system_->potentialEnergy(system_->x) + (lends_energy_ ? solvePotential(*system_) : 0);
     if (share_ == 1) return sum;
     copy(start_, provided(product_, start_.count()));
     system_->motion().difference(rows(), product_);
     return sum + (1 - share_) * dot(start_force_, product_);
   }
-  void takeMeasure() override {
+  void updateNorms() override {
     if (system_->motion().turns()) measure_.take(tangent());
   }
   double sizeOf(ConstRows residual) const override { return measure_.force(residual); }
@@ -79,9 +79,9 @@ class Equilibrium final : public NonlinearProblem {
   double loadScale() const override { return measure_.force(system_->f); }
   Rows unknowns() override { return rows(); }
   double longestStep(ConstRows d) override { return limits_.longest(d); }
-  bool meetsBarriers() const override { return !limits_.empty(); }
-  bool movesOn() override { return limits_.solvesAgain(); }
-  bool hasWay() override { return limits_.hasWay(); }
+  bool mayMeetBarriers() const override { return !limits_.empty(); }
+  bool updatesLagged() override { return limits_.solvesAgain(); }
+  bool hasRemainingMotion() override { return limits_.hasRemainingMotion(); }
   bool addPush(Rows residual) override {
     const Rows push = system_->f;
     limits_.push(push);
@@ -90,14 +90,14 @@ class Equilibrium final : public NonlinearProblem {
     axpy(1, of_free, residual);
     return largest(of_free) > 0;
   }
-  bool goAlong(Rows d, bool wholly) override {
+  bool advanceRemainingMotion(Rows d, bool wholly) override {
     const double part = limits_.longest(d, 1, true, true);
     if (wholly && part < 1) return false;
     addTo(rows(), part, d);
-    limits_.goAlong(part);
+    limits_.advanceRemainingMotion(part);
     return true;
   }
-  bool isOnTheWay() override { return limits_.isOnTheWay(); }
+  bool isIntermediate() override { return limits_.isIntermediate(); }
   /// Whether something blocks the prescribed motion d, or d together with the `carried` motion; the report then
   /// says so.
   bool isBlocked(ConstRows d, bool carries, ConstRows carried, StepReport& report) {
@@ -123,7 +123,7 @@ class Equilibrium final : public NonlinearProblem {
     system_->motion().difference(rows(), way);
     return measure_.way(way);
   }
-  bool restsWithoutForces() const override { return true; }
+  bool isForceBalance() const override { return true; }
   double loads() override { return loadsOn(*system_, measure_, loads_); }
   RoundOff roundOff() override {
     const Index rows = start_.count();

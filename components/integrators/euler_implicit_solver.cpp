@@ -55,7 +55,10 @@ namespace {
 
 class EulerImplicitSolver final : public ImplicitIntegrator, public FindsMultipliers {
  public:
-  bool heedsStepLimits() const override { return implicit_.iterates() && !first_order_; }
+  bool respectsStepLimits() const override { return implicit_.iterates() && !first_order_; }
+  std::string howToRespectStepLimits() const override {
+    return first_order_ ? "firstOrder=\"false\"" : ImplicitIntegrator::howToRespectStepLimits();
+  }
   void declare(DataTable& table) override;
   void init() override;
   void compile(System& system) override;
@@ -105,6 +108,7 @@ void EulerImplicitSolver::init() {
 }
 
 void EulerImplicitSolver::compile(System& system) {
+  implicit_.only_linear = first_order_;
   compileStep(system, trapezoidal_ && !first_order_ && !by_new_velocity_);
   const bool has_conditions = !system.actors().lagrangian_constraints.empty();
   if (has_conditions && implicit_.one_round && !implicit_.solvesOnce())

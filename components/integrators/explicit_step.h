@@ -107,9 +107,9 @@ class ExplicitStep {
 };
 
 /// An integrator given by a scheme; a component supplies the scheme and its attributes. Bodies at rest may sleep (sleep.h).
-class ExplicitIntegrator : public Integrator, public HeedsStepLimits {
+class ExplicitIntegrator : public Integrator, public RespectsStepLimits {
  public:
-  bool heedsStepLimits() const final { return true; }
+  bool respectsStepLimits() const final { return true; }
   void declare(DataTable& table) override;  ///< linearSolver, and those of VelocityDamping and Sleep
   void compile(System& system) final;
   StepReport step(System& system, const StepContext& context) final;

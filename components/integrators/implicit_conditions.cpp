@@ -17,7 +17,7 @@ StepReport ImplicitStep::solveConditions(StopToken stop) {
     if (report.stopped || (report.failed() && !limits_.empty())) return report;
     const bool is_solved = !report.failed() && (report.newton_converged || !iterates());
     if (may_be_free && is_solved && multipliers_.areFree()) {
-      multipliers_.giveNone();
+      multipliers_.clearForces();
       return report;
     }
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Base of integrators with implicit steps, whose bodies may sleep.
 #pragma once
+#include <fmt/format.h>
+
 #include "components/integrators/implicit_step.h"
 #include "components/integrators/sleep.h"
 
@@ -11,10 +13,10 @@ namespace stroma {
 /// its scheme and returns sleep_.judged() of the report; describe(), from described(). It derives from FindsMultipliers if it
 /// supports constraint forces, and overrides keepsEnergy() if its equations conserve energy. A rule with more state overrides
 /// reset() and serialize(), which call those below, and stepTaken(), in the same order; a skipped step stores rest.
-class ImplicitIntegrator : public Integrator, public AsksRightSides, public HeedsStepLimits {
+class ImplicitIntegrator : public Integrator, public AsksRightSides, public RespectsStepLimits {
  public:
-  bool heedsStepLimits() const override { return implicit_.iterates(); }
-  std::string howToHeedStepLimits() const override { return "newtonIterations=\"30\""; }
+  bool respectsStepLimits() const override { return implicit_.iterates(); }
+  std::string howToRespectStepLimits() const override { return fmt::format("newtonIterations=\"{}\"", ImplicitStep::enough_with_limits); }
   /// Sleep comes first, because it knows whether the step was skipped. Nothing was solved in that case, and the energies,
   /// tangent and constraint forces that the second call would store belong to an older step.
   void stepTaken(const StepContext& context) override {

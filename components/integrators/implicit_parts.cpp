@@ -92,7 +92,7 @@ StepReport ImplicitStep::solveInParts(const StepReport& whole, StopToken stop) {
   for (int parts = 2; part >= smallest_part; ++parts) {
     const double share = std::min(1.0, done + part);
     copy(good_, v());
-    if (hasForces()) multipliers_.carryAgain(good_forces), copy(good_load, constant_);
+    if (hasForces()) multipliers_.restoreCarried(good_forces), copy(good_load, constant_);
     unknownsChanged();
     newton_.settings.relative_residual = share < 1 ? std::max(part_residual, end_residual) : end_residual;
     StepReport attempt;

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "components/integrators/lent_energy.h"
+#include "components/integrators/solve_potential.h"
 
 namespace stroma {
 // ---- the step ----
@@ -324,7 +324,7 @@ void ImplicitStep::residual(Rows out) {
 /// energies only.
 double ImplicitStep::energy() {
   System& s = *system_;
-  double sum = scheme_.weight / scheme_.displacement * (s.potentialEnergy(s.x) + (lends_energy_ ? lentEnergy(s) : 0));
+  double sum = scheme_.weight / scheme_.displacement * (s.potentialEnergy(s.x) + (lends_energy_ ? solvePotential(s) : 0));
   if (has_constant_) sum -= dot(constant_, v());
   if (has_rayleigh_mass_ || has_rayleigh_stiffness_) {
     addTurning(false);
@@ -363,8 +363,9 @@ std::string ImplicitStep::describe() const {
     return fmt::format(", {} linear solves: with one the rule {} gain energy, because {}", enough_solves_,
                        keeps_order_ ? "might, at large steps," : "would be of first order and might", approximation_);
   const double forcing = newton_.settings.forcing;
-  return fmt::format(", up to {} Newton iterations to a relative residual of {:g}, line search on {}{}",
-                     newton_.settings.iterations, newton_.settings.relative_residual,
+  return fmt::format(", up to {} Newton iterations{} to a relative residual of {:g}, line search on {}{}", newton_.settings.iterations,
+                     limiter_.empty() ? "" : fmt::format(" (chosen because {} limits how far bodies move)", limiter_),
+                     newton_.settings.relative_residual,
                      newton_.settings.use_energy ? "the incremental potential" : "the work of the residual",
                      forcing > 0 ? fmt::format("; early linear solves to {:g}", forcing) : "");
 }

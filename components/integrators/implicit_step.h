@@ -41,6 +41,7 @@ class ImplicitStep final : public NonlinearProblem {
   bool allows_massless = false;    ///< allows nodes without mass: rows with stiffness only
   NewtonSettings newton_settings;  ///< replaced by a NewtonSolver of the scene
   bool second_order = false;       ///< the order of the rule if its equations are solved accurately
+  bool only_linear = false;        ///< the rule has no equations for Newton's method
   Vector position_predictor,
       velocity_predictor;  ///< [m], [m/s], shape (independentRows()); used with has_history; fixed directions are ignored
 
@@ -57,9 +58,10 @@ class ImplicitStep final : public NonlinearProblem {
 
   bool one_round = false;  ///< constraint forces use the directions of the unconstrained motion, as in SOFA
 
-  /// Uses as many linear solves as the order of the rule requires: for a second-order rule two if a stiffness is an approximate
-  /// derivative, three if forces rotate rigid bodies, otherwise one.
+  /// Uses Newton's method if a force field limits steps, otherwise as many linear solves as the order of the rule requires: for a
+  /// second-order rule two if a stiffness is an approximate derivative, three if forces rotate rigid bodies, else one.
   static constexpr int needed_solves = 0;
+  static constexpr int enough_with_limits = 30;  ///< Newton iterations
   ImplicitStep() { newton_settings.iterations = needed_solves; }
   void declareDamping(DataTable& table);       ///< rayleighMass, rayleighStiffness
   void declareNewton(DataTable& table);        ///< newtonIterations, newtonTolerance, newtonForcing
@@ -89,7 +91,7 @@ class ImplicitStep final : public NonlinearProblem {
       if (constraint->activeIn(t, t_end)) side->projectRightSide(b);
   }
   bool solvesOnce() const { return newton_.settings.iterations == 1; }
-  /// The scene asks for Newton's method.
+  /// The scene or its contact asks for Newton's method.
   bool iterates() const { return !solvesOnce() && !newton_.settings.fixed_count; }
   std::string describe() const;
   // ---- forwarded by the integrator ----
@@ -108,14 +110,14 @@ class ImplicitStep final : public NonlinearProblem {
   // ---- the equations for Newton's method ----
   void residual(Rows out) override;
   SystemMatrix& tangent() override;
-  void keepToFree(Rows d) const override { stroma::keepToFree(*system_, d); }
+  void projectToFree(Rows d) const override { stroma::projectToFree(*system_, d); }
   bool useDefiniteTangent(bool definite) override { return useDefiniteTangents(*system_, definite); }
-  bool hasUnsureTangent() const override { return turns_ && tangents_ > 0 && !turning_.empty(); }
-  void takeSureTangent() override;
+  bool mayHaveUnstableDirections() const override { return turns_ && tangents_ > 0 && !turning_.empty(); }
+  void excludeUnstableDirections() override;
   double energy() override;
   Rows unknowns() override { return v(); }
   bool guess(Rows d) override;
-  Rows sinceStart() override {
+  Rows changeSinceStart() override {
     takeChange();
     return change_;
   }
@@ -125,17 +127,17 @@ class ImplicitStep final : public NonlinearProblem {
   LightBodies* lightBodies() override { return &light_; }
   double weightOfForces() const override { return scheme_.weight; }
   double longestStep(ConstRows d) override;
-  bool meetsBarriers() const override { return !limits_.empty(); }
-  bool meetsWalls() const override { return meets_walls_; }
-  bool movesOn() override;
-  bool hasWay() override { return carries() || limits_.hasWay(); }
+  bool mayMeetBarriers() const override { return !limits_.empty(); }
+  bool mayMeetPenalties() const override { return meets_walls_; }
+  bool updatesLagged() override;
+  bool hasRemainingMotion() override { return carries() || limits_.hasRemainingMotion(); }
   bool addPush(Rows residual) override;
-  bool goAlong(Rows d, bool wholly) override;
-  bool isOnTheWay() override { return lack_ > 0 || limits_.isOnTheWay(); }
+  bool advanceRemainingMotion(Rows d, bool wholly) override;
+  bool isIntermediate() override { return lack_ > 0 || limits_.isIntermediate(); }
   double displacementPerUnknown() const override { return scheme_.displacement; }
   ConstRows positions() const override { return x(); }
   const Motion* motionOfFrames() const override { return system_->motion().turns() ? &system_->motion() : nullptr; }
-  void takeMeasure() override {
+  void updateNorms() override {
     if (system_->motion().turns()) measure_.take(tangent());
   }
   double sizeOf(ConstRows residual) const override { return measure_.force(residual); }
@@ -199,6 +201,7 @@ class ImplicitStep final : public NonlinearProblem {
   std::string approximation_;  ///< why one solve is not enough
   bool keeps_order_ = false;   ///< the rule keeps its order with one solve
   int enough_solves_ = 2;      ///< otherwise
+  std::string limiter_;        ///< the force field for which Newton's method was chosen; empty: the scene asks for it, or nobody
   StepLimits limits_;
   WholeIfNeeded whole_;
   ForceMeasure measure_;

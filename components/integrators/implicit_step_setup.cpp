@@ -8,7 +8,7 @@
 #include "components/integrators/constraint_sweeps.h"
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/implicit_step.h"
-#include "components/integrators/lent_energy.h"
+#include "components/integrators/solve_potential.h"
 #include "components/integrators/uncoupled_constraint_correction.h"
 #include "components/integrators/usual_forcing.h"
 
@@ -38,10 +38,11 @@ void ImplicitStep::declareNewton(DataTable& table) {
   table.add("newtonIterations", newton_settings.iterations)
       .recompiled()
       .help(
-          "1: one linear solve per step, as SOFA; more: the step's equations are solved by Newton's method; 0: one linear solve, "
-          "and two for a rule of second order where a force field's stiffness is an approximation (the rotated methods with "
-          "tangent=\"warped\"), is damped or, where the rule damps nothing, changes in the step; three where forces "
-          "turn rigid bodies: with one the rule may gain energy until it explodes, and is of first order unless K only changes")
+          "1: one linear solve per step, as SOFA; more: the step's equations are solved by Newton's method; 0: up to 30 iterations of "
+          "Newton's method with BarrierContact; without it one linear solve, and two for a rule of second order where a force "
+          "field's stiffness is an approximation (the rotated methods with tangent=\"warped\"), is damped or, where the rule damps "
+          "nothing, changes in the step; three where forces turn rigid bodies: with one the rule may gain energy until it explodes, "
+          "and is of first order unless K only changes")
       .unit("-")
       .min(0);
   table.add("newtonTolerance", newton_settings.relative_residual)
@@ -87,6 +88,10 @@ static std::string changesIn(const System& system) {
 
 void ImplicitStep::chooseSolves(bool keeps_energy) {
   NewtonSettings& settings = newton_.settings;
+  limiter_.clear();
+  if (settings.iterations == needed_solves && !only_linear)
+    for (const ForceField* field : system_->forceFields())  // one linear solve does not ask them
+      if (dynamic_cast<const StepLimiter*>(field)) settings.iterations = enough_with_limits, limiter_ = field->path();
   const bool turns = bodies_.count() > 0 || !system_->mappingChain().isLinear();
   approximation_ = second_order ? approximationIn(*system_, rayleigh_stiffness, turns) : std::string();
   keeps_order_ = approximation_.empty();
@@ -109,7 +114,7 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   has_rayleigh_mass_ = rayleigh_mass != 0;
   for (const Mass* mass : system.masses()) has_rayleigh_mass_ = has_rayleigh_mass_ || mass->rayleigh_mass != 0;
   has_own_stiffness_damping_ = depends_on_time_ = false;
-  bool from_energy = haveEnergyInSolves(system);
+  bool from_energy = havePotentialInSolves(system);
   for (const ForceField* field : system.forceFields()) {
     const ForceTraits traits = field->traits();
     has_own_stiffness_damping_ =

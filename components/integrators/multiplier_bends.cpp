@@ -35,9 +35,9 @@ void Multipliers::takeBends() {
 /// Y, and the factors of S^-1 + B^T Y.
 bool Multipliers::respondToBends(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
   if (bends_.empty()) return true;
-  asked_.clear(), answers_.clear();
-  for (GradientBends::Bend& bend : bends_.all()) ask(bend.b, bend.y);
-  if (!answerAsked(solver, matrix, stop, report)) return false;
+  requested_.clear(), solutions_.clear();
+  for (GradientBends::Bend& bend : bends_.all()) request(bend.b, bend.y);
+  if (!solveRequested(solver, matrix, stop, report)) return false;
   bends_.factor();
   return true;
 }
@@ -83,12 +83,12 @@ std::vector<UncoupledConstraintCorrection*> Multipliers::findUncoupled() const {
 /// Nodes that answer by themselves are left out of the right sides, and each side may then be nothing.
 SolveReport Multipliers::solveInTurn(LinearSolver& solver, SystemMatrix& matrix, StopToken stop) {
   SolveReport all{.stop = SolveStop::zero_right_side};
-  for (std::size_t i = 0; i < asked_.size(); ++i) {
-    copy(asked_[i], pushes_);
-    if (asked_[i].data != right_side_.rows().data) copy(pushes_, right_side_);
+  for (std::size_t i = 0; i < requested_.size(); ++i) {
+    copy(requested_[i], pushes_);
+    if (requested_[i].data != right_side_.rows().data) copy(pushes_, right_side_);
     for (const UncoupledConstraintCorrection* each : uncoupled_) clear(each->state().segment(Rows(right_side_)));
-    if (largest(right_side_) > 0 && !all.add(solveWhole(solver, matrix, right_side_, answers_[i], {.stop = stop}))) break;
-    for (const UncoupledConstraintCorrection* each : uncoupled_) each->respond(pushes_, answers_[i]);
+    if (largest(right_side_) > 0 && !all.add(solveWhole(solver, matrix, right_side_, solutions_[i], {.stop = stop}))) break;
+    for (const UncoupledConstraintCorrection* each : uncoupled_) each->respond(pushes_, solutions_[i]);
   }
   return all;
 }

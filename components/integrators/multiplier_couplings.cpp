@@ -10,20 +10,20 @@ namespace stroma {
 
 /// A^-1 J^T, of what is not known
 bool Multipliers::respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
-  if (carries_) aimAtNew();
+  if (carries_) computeNewDirections();
   const std::size_t count = rows_.rows().size();
   responses_.resize(std::max(responses_.size(), count));
   is_answered_.resize(count, false);
-  new_answers_.clear(), asked_.clear(), answers_.clear();
+  new_answers_.clear(), requested_.clear(), solutions_.clear();
   const auto isAlike = [&](std::size_t i) { return like_[i] != 0 && is_answered_[i - 1]; };
   for (std::size_t i = 0; i < count; ++i) {
     if (isIdle(i) || is_answered_[i]) continue;
-    if (!isAlike(i)) ask(directions_[i], responses_[i]);
+    if (!isAlike(i)) request(directions_[i], responses_[i]);
     is_answered_[i] = true, new_answers_.push_back(i);
   }
   if (new_answers_.empty()) return true;
   has_new_answers_ = true;
-  if (!answerAsked(solver, matrix, stop, report)) return false;
+  if (!solveRequested(solver, matrix, stop, report)) return false;
   for (const std::size_t i : new_answers_) {
     Vector& response = responses_[i];
     if (!isAlike(i)) {
@@ -46,14 +46,14 @@ void Multipliers::findLive() {
 }
 
 /// What bodies answer to loads; the step goes on without them where they are coupled. False: a solve gave nothing.
-bool Multipliers::answerBodies(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
-  asked_.clear(), answers_.clear();
+bool Multipliers::solveForBodies(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
+  requested_.clear(), solutions_.clear();
   for (std::size_t k = 0; k < BodyRows::loads; ++k) {
     if (body_loads_[k].count() != system_->independentRows()) body_loads_[k].resize(system_->independentRows());
     bodies_.load(int(k), body_loads_[k]);
-    ask(body_loads_[k], body_answers_[k]);
+    request(body_loads_[k], body_answers_[k]);
   }
-  if (!answerAsked(solver, matrix, stop, report)) return false;
+  if (!solveRequested(solver, matrix, stop, report)) return false;
   knows_bodies_ = bodies_.takeAnswers(body_loads_, body_answers_);
   return true;
 }
@@ -67,7 +67,7 @@ bool Multipliers::takeBodyRows(bool is_first, LinearSolver& solver, SystemMatrix
   if (may_be && !dynamic_cast<WholeMatrix*>(&matrix) && bodies_.findBodies(matrix)) {
     findLive();
     is_of_bodies_ = !live_.empty() && bodies_.take(rows_, live_);
-    if (is_of_bodies_ && !std::exchange(asked_bodies_, true) && !answerBodies(solver, matrix, stop, report)) return false;
+    if (is_of_bodies_ && !std::exchange(asked_bodies_, true) && !solveForBodies(solver, matrix, stop, report)) return false;
     is_of_bodies_ = is_of_bodies_ && knows_bodies_;
     if (is_of_bodies_)
       bodies_.respond();

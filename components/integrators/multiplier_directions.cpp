@@ -16,7 +16,7 @@
 namespace stroma {
 
 /// 1 or -1 when the gradient is that of the row before, or its opposite; else 0.
-double Multipliers::likeRowBefore(std::size_t row) const {
+double Multipliers::signAgainstPreviousRow(std::size_t row) const {
   if (row == 0 || rule_.old_share != 0 || isIdle(row - 1)) return 0;
   const auto a = rows_.entriesOf(rows_.rows()[row - 1]), b = rows_.entriesOf(rows_.rows()[row]);
   for (const double sign : {1.0, -1.0})
@@ -36,10 +36,10 @@ void Multipliers::pullBack(std::span<const LagrangianRows::Entry> entries, Rows 
 }
 
 void Multipliers::takeDirection(std::size_t row) {
-  is_aimed_[row] = true;
+  has_direction_[row] = true;
   Vector& direction = directions_[row];
   if (direction.count() != system_->independentRows()) direction.resize(system_->independentRows());
-  like_[row] = row > 0 && is_aimed_[row - 1] ? likeRowBefore(row) : 0;
+  like_[row] = row > 0 && has_direction_[row - 1] ? signAgainstPreviousRow(row) : 0;
   if (like_[row] != 0) {
     copy(directions_[row - 1], direction);
     scale(like_[row], direction);
@@ -61,7 +61,7 @@ void Multipliers::forgetChanged() {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const bool is_first = i == 0 || i >= ends_[constraint];
     while (i >= ends_[constraint]) ++constraint;
-    if (is_first) keeps = stands || dynamic_cast<const SharesForces*>(system_->actors().lagrangian_constraints[constraint]);
+    if (is_first) keeps = stands || dynamic_cast<const GuessesForces*>(system_->actors().lagrangian_constraints[constraint]);
     const auto now = rows_.entriesOf(rows[i]);
     if (!keeps || rows.size() != old.size() || !std::ranges::equal(now, old_rows_.entriesOf(old[i]))) is_answered_[i] = false;
   }
@@ -89,7 +89,7 @@ bool Multipliers::changeDirections(bool releases) {
   keeps_directions_.resize(constraints.size(), false);
   for (std::size_t i = 0, begin = 0; i < constraints.size(); begin = ends_[i++]) {
     auto* const changes = dynamic_cast<ChangesConditions*>(constraints[i]);
-    if (!changes || !dynamic_cast<const SharesForces*>(constraints[i]) || bool(keeps_directions_[i]) != releases) continue;
+    if (!changes || !dynamic_cast<const GuessesForces*>(constraints[i]) || bool(keeps_directions_[i]) != releases) continue;
     const std::size_t count = ends_[i] - begin;
     if (!changes->changeConditions(x, {solve_.l.data() + begin, count}, {own_.data() + begin, count})) continue;
     keeps_directions_[i] = !releases, have_changed = true;
@@ -101,43 +101,43 @@ bool Multipliers::changeDirections(bool releases) {
 void Multipliers::takeDirections() {
   const std::size_t count = rows_.rows().size();
   directions_.resize(std::max(directions_.size(), count));
-  like_.assign(count, 0), is_aimed_.assign(count, false);
+  like_.assign(count, 0), has_direction_.assign(count, false);
   if (carries_) is_answered_.clear();
   for (std::size_t i = 0; i < count; ++i)
     if (i < is_answered_.size() && is_answered_[i])
-      is_aimed_[i] = true;
+      has_direction_[i] = true;
     else if (!isIdle(i))
       takeDirection(i);
-  if (carries_) copy(system_->independent(system_->x), aimed_at_);
+  if (carries_) copy(system_->independent(system_->x), directions_at_);
 }
 
 /// What has come near since directions were taken gets its own from there.
-void Multipliers::aimAtNew() {
+void Multipliers::computeNewDirections() {
   constexpr int most = 8;  // of times that going back there brings others near
   const Rows x = system_->independent(system_->x);
   for (int turn = 0; turn < most; ++turn) {
     new_rows_.clear();
     for (std::size_t i = 0; i < rows_.rows().size(); ++i)
-      if (!isIdle(i) && !isAimed(i)) new_rows_.push_back(i);
+      if (!isIdle(i) && !hasDirection(i)) new_rows_.push_back(i);
     if (new_rows_.empty()) return;
-    copy(x, here_), copy(aimed_at_, x);
+    copy(x, here_), copy(directions_at_, x);
     findConditions();
     for (const std::size_t row : new_rows_) takeDirection(row);
     copy(here_, x);
     findConditions();
   }
   for (std::size_t i = 0; i < rows_.rows().size(); ++i)
-    if (!isIdle(i) && !isAimed(i)) takeDirection(i);
+    if (!isIdle(i) && !hasDirection(i)) takeDirection(i);
 }
 
-void Multipliers::aim() {
+void Multipliers::updateDirections() {
   findConditions();
   takeDirections(), takeBends();
 }
 
 /// Directions that turn far in a step, as of bodies that tumble, are taken anew before rounds along them come to rest; a few times,
 /// because where that goes to and fro only rounds to the end are left.
-bool Multipliers::leavesDirections() {
+bool Multipliers::mayLeaveDirections() {
   constexpr int most = 4;
   return carries_ && keepsDirections() && times_left_++ < most;
 }
@@ -149,7 +149,7 @@ std::vector<Multipliers::Held> Multipliers::findHeld(ConstRows moves) const {
   const auto& constraints = system_->actors().lagrangian_constraints;
   std::size_t row = 0;
   for (std::size_t i = 0; i < constraints.size(); ++i) {
-    const bool changes = dynamic_cast<const ChangesConditions*>(constraints[i]) && !dynamic_cast<const SharesForces*>(constraints[i]);
+    const bool changes = dynamic_cast<const ChangesConditions*>(constraints[i]) && !dynamic_cast<const GuessesForces*>(constraints[i]);
     for (; row < ends_[i]; ++row) {
       const LagrangianRows::Row& each = rows_.rows()[row];
       const double l = solve_.l[Eigen::Index(row)];
@@ -172,16 +172,16 @@ double Multipliers::along(std::size_t row, ConstRows moves) const {
 bool Multipliers::respondToTurn(const std::vector<Held>& held, LinearSolver& solver, SystemMatrix& matrix, StopToken stop,
                                 StepReport& report) {
   constexpr double sharpest = -0.5;  // the cosine of 120 degrees
-  asked_.clear(), answers_.clear();
+  requested_.clear(), solutions_.clear();
   for (const Held& each : held) {
     Vector& direction = directions_[each.row];
     const Vector& before = start_directions_[each.row];
     if (direction.count() != system_->independentRows()) direction.resize(system_->independentRows());
     pullBack(each.row, direction);
     if (dot(direction, before) > sharpest * norm(direction) * norm(before)) axpy(1, before, direction), scale(0.5, direction);
-    ask(direction, responses_[each.row]);
+    request(direction, responses_[each.row]);
   }
-  return answerAsked(solver, matrix, stop, report);
+  return solveRequested(solver, matrix, stop, report);
 }
 
 bool Multipliers::turnVelocities(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {

@@ -32,7 +32,7 @@ void Multipliers::compile(System& system) {
   system_ = &system;
   if (empty()) return;
   for (Vector* vector : {&start_, &work_}) vector->resize(system.allRows());
-  for (Vector* vector : {&right_side_, &whole_, &before_, &free_, &base_, &aimed_at_, &here_})
+  for (Vector* vector : {&right_side_, &whole_, &before_, &free_, &base_, &directions_at_, &here_})
     vector->resize(system.independentRows());
   carried_.resize(system.independentRows());
   uncoupled_ = findUncoupled();
@@ -76,7 +76,7 @@ void Multipliers::findConditions() {
     constraint->addConditions(x, start_, rows_);
     ends_.push_back(rows_.rows().size());
   }
-  if (share_of_way_ < 1 && way_.size() == rows_.rows().size()) leaveOutWay();
+  if (violation_share_ < 1 && way_.size() == rows_.rows().size()) subtractInitialViolation();
   solve_.g.resize(Eigen::Index(rows_.rows().size()));
   solve_.sizes.resize(rows_.rows().size());
   for (std::size_t i = 0; i < rows_.rows().size(); ++i) {
@@ -92,22 +92,22 @@ bool Multipliers::isIdle(std::size_t row) const {
   return rows_.rows()[row].kind == LagrangianRows::Kind::given && rows_.rows()[row].factor == 0;
 }
 
-void Multipliers::ask(ConstRows right_side, Vector& response) {
+void Multipliers::request(ConstRows right_side, Vector& response) {
   if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
   clear(response);
-  asked_.push_back(right_side), answers_.push_back(response);
+  requested_.push_back(right_side), solutions_.push_back(response);
 }
 
 /// A^-1 of right_side_.
 bool Multipliers::answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report) {
-  asked_.clear(), answers_.clear();
-  ask(right_side_, response);
-  return answerAsked(solver, matrix, stop, report);
+  requested_.clear(), solutions_.clear();
+  request(right_side_, response);
+  return solveRequested(solver, matrix, stop, report);
 }
 
 /// A^-1 of all that is asked for.
-bool Multipliers::answerAsked(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
-  const SolveReport solve = uncoupled_.empty() || carries_ ? solveWhole(solver, matrix, asked_, answers_, {.stop = stop})
+bool Multipliers::solveRequested(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
+  const SolveReport solve = uncoupled_.empty() || carries_ ? solveWhole(solver, matrix, requested_, solutions_, {.stop = stop})
                                                            : solveInTurn(solver, matrix, stop);
   report.linear_iterations += solve.iterations;
   report.factorisations += solve.factored;
@@ -125,22 +125,22 @@ bool Multipliers::answerAsked(LinearSolver& solver, SystemMatrix& matrix, StopTo
       report.linear_at_limit || solve.stop == SolveStop::iteration_limit || solve.stop == SolveStop::stagnated;
   report.linear_converged =
       report.linear_converged && (solve.stop == SolveStop::converged || solve.stop == SolveStop::zero_right_side);
-  for (const Rows& each : answers_) system_->constraints().project(each);
+  for (const Rows& each : solutions_) system_->constraints().project(each);
   return true;
 }
 
 /// Where the search of a correction begins.
-void Multipliers::expectForces() {
+void Multipliers::guessForces() {
   const std::size_t count = rows_.rows().size();
   solve_.l.setZero(Eigen::Index(count)), solve_.contradiction = 0;
   yields_.clear();
   std::size_t begin = 0;
   const auto& constraints = system_->actors().lagrangian_constraints;
   for (std::size_t i = 0; i < constraints.size(); begin = ends_[i++]) {
-    const auto* shares = dynamic_cast<const SharesForces*>(constraints[i]);
+    const auto* shares = dynamic_cast<const GuessesForces*>(constraints[i]);
     if (!shares) continue;
     yields_.resize(count, 0);
-    shares->expectForces({solve_.l.data() + begin, ends_[i] - begin}, {yields_.data() + begin, ends_[i] - begin});
+    shares->guessForces({solve_.l.data() + begin, ends_[i] - begin}, {yields_.data() + begin, ends_[i] - begin});
   }
   if (std::ranges::none_of(yields_, [](double each) { return each > 0; })) yields_.clear();
 }
@@ -148,7 +148,7 @@ void Multipliers::expectForces() {
 RedundantForces::Problem Multipliers::problemWith(const BodyRows* bodies, double budget) const {
   constexpr double at_rest = 1e-6;  // of what is tolerated: by less than that forces of the step before need not be off
   return {.rows = rows_.rows(), .live = live_, .w = solve_.w, .g = solve_.g, .sizes = solve_.sizes, .yields = yields_, .allowed = allowed_,
-          .at_rest = carries_ ? at_rest : 0, .goes_on = solve_.searches > searches_before_, .comes_again = !carries_ && !isOnce(),
+          .at_rest = carries_ ? at_rest : 0, .goes_on = solve_.searches > searches_before_, .is_repeated = !carries_ && !isOnce(),
           .budget = budget, .bodies = bodies, .factor = rule_.weight * rule_.displacement};
 }
 
@@ -195,7 +195,7 @@ bool Multipliers::changeConditions() {
   const ConstRows x = system_->mappingChain().positions(system_->x);
   asked_to_change_ = system_->actors().lagrangian_constraints;
   for (LagrangianConstraint*& each : asked_to_change_)
-    if (dynamic_cast<const SharesForces*>(each)) each = nullptr;
+    if (dynamic_cast<const GuessesForces*>(each)) each = nullptr;
   if (!ChangesConditions::changeAny(asked_to_change_, ends_, x, solve_.l.data(), own_.data())) return false;
   --changes_left_, has_changed_ = true;
   return true;
@@ -232,7 +232,7 @@ void Multipliers::apply(Rows change) {
 }
 
 /// base_ = what the carried impulses do, with the matrix that has the turning of gradients. False: a solve gave nothing.
-bool Multipliers::answerCarried(LinearSolver& solver, SystemMatrix& matrix, ConstRows direction, StopToken stop, StepReport& report) {
+bool Multipliers::solveForCarried(LinearSolver& solver, SystemMatrix& matrix, ConstRows direction, StopToken stop, StepReport& report) {
   copy(carried_.now(), right_side_);
   system_->constraints().project(right_side_);
   if (!answer(solver, matrix, base_, stop, report) || !respondToBends(solver, matrix, stop, report)) return false;
@@ -287,7 +287,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
   copy(s.independent(s.x), free_), clear(whole_);
   bool is_mixed = is_left_ = false;
   changes_left_ = most_changes, mixing_.restart(), keeps_ = false, kept_since_ = 0, keeps_directions_.clear();
-  if (carries_ && !answerCarried(solver, matrix, direction, stop, report)) return;
+  if (carries_ && !solveForCarried(solver, matrix, direction, stop, report)) return;
   double step = 0, least = std::numeric_limits<double>::infinity();  // of the steps that were half of all before them
   double size = largest(s.independent(s.x)) + rule_.displacement * largest(change);
   // what forces of constraint take back of the free motion leaves its last digits, also where a body stands at the origin
@@ -298,7 +298,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     if (conditionsHold(round, step)) break;
     if (round == 0 && stepWatch()) stepWatch()->constraintGradients(s, rows_, rule_.displacement);
     if (rows_.rows().empty() && !carries_) break;
-    if (round == 0) expectForces();
+    if (round == 0) guessForces();
     if (!prepareRound(round == 0, solver, matrix, stop, report)) return;
     leaveOutForces();
     last_forces_ = solve_.l;
@@ -317,9 +317,9 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     // two places that share a force may pass it to and fro for ever, by round-off of their directions
     if (!(step > 0.5 * least)) least = step, least_round = round;
     const int idle = round - least_round;
-    const bool is_idle = (isNoise(step) && redundant_.haveStood()) || (step <= held_within * size && idle > most_idle) ||
+    const bool is_idle = (isNoise(step) && redundant_.areInitialGuess()) || (step <= held_within * size && idle > most_idle) ||
                          (step <= little && idle > few_idle);
-    is_left_ = !is_idle && idle > few_left && step > little && leavesDirections();
+    is_left_ = !is_idle && idle > few_left && step > little && mayLeaveDirections();
     const bool goes_on = std::isfinite(step) && step > close * size + rounding && !is_idle && !is_left_;
     // forces that turn much in a step swing; directions of few that nothing rubs are found by a few mixed iterates, but noise is not mixed
     is_mixed = is_mixed || (round > 3 && step > 0.5 * last) || (round > 0 && !carries_ && areFewAndSmooth());

@@ -67,14 +67,15 @@ class Multipliers {
   void begin(const Rule& rule, bool carries);
   /// Prepares a step that is divided: conditions violated at the present x, its start, are then reduced part by part.
   /// Returns false if all hold there.
-  bool keepWay();
-  /// Until the next call conditions are g(x) - (1 - share) g(x0), with x0 of keepWay(); for `push` only those violated there. 1: g(x).
-  void setShare(double share) { share_of_way_ = share; }
+  bool keepInitialViolation();
+  /// Until the next call conditions are g(x) - (1 - share) g(x0), with x0 of keepInitialViolation(); for `push` only those violated
+  /// there. 1: g(x).
+  void setShare(double share) { violation_share_ = share; }
   /// With Newton's method: makes forces act along the gradients at the present x.
-  void aim();
+  void updateDirections();
   /// Moves x and v of the system until the conditions hold, and updates `change`, the change of u in the step.
   /// A report that did not converge has the remaining violation.
-  /// `direction`: with Newton's method the change of u since aim(); otherwise empty.
+  /// `direction`: with Newton's method the change of u since updateDirections(); otherwise empty.
   void correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, ConstRows direction, StopToken stop, StepReport& report);
   /// Corrects the velocities at the end of a step in which forces have changed conditions, as of a point that has passed a corner, if the
   /// rule weights forces at the start. False: unchanged.
@@ -87,7 +88,7 @@ class Multipliers {
   bool wasLeft() const { return is_left_; }
   ConstRows carried() const { return carried_.now(); }
   /// Restores an earlier carried().
-  void carryAgain(ConstRows carried) { carried_.set(carried); }
+  void restoreCarried(ConstRows carried) { carried_.set(carried); }
   /// Carries J^T p of the last correct() from now on; out += the change.
   void carry(Rows out);
   /// Keeps only this fraction of the last carry(); out += the change.
@@ -98,7 +99,7 @@ class Multipliers {
   /// With `carries`: nothing is carried, and all conditions hold at x without a force, as contact does if nothing is near.
   bool areFree();
   /// The step ends at the x of the last areFree(): all forces are zero.
-  void giveNone();
+  void clearForces();
 
   // ---- forwarded by the integrator ----
   ConstRows lastForces() const { return carried_.last(); }  ///< J^T l of the previous step [N]
@@ -110,8 +111,8 @@ class Multipliers {
 
  private:
   void findConditions();
-  void leaveOutWay();
-  double likeRowBefore(std::size_t row) const;
+  void subtractInitialViolation();
+  double signAgainstPreviousRow(std::size_t row) const;
   bool isIdle(std::size_t row) const;
   /// With redundant rows W must be symmetric: its conditions are then taken along the directions of forces too.
   bool keepsDirections() const { return (carries_ || keeps_) && !yields_.empty(); }
@@ -135,31 +136,31 @@ class Multipliers {
   void pullBack(std::size_t row, Rows out) { pullBack(rows_.entriesOf(rows_.rows()[row]), out); }
   void takeDirections();
   void takeDirection(std::size_t row);
-  bool isAimed(std::size_t row) const { return row < is_aimed_.size() && is_aimed_[row]; }
-  void aimAtNew();
-  bool leavesDirections();
+  bool hasDirection(std::size_t row) const { return row < has_direction_.size() && has_direction_[row]; }
+  void computeNewDirections();
+  bool mayLeaveDirections();
   bool keepDirections(int round);
   bool conditionsHold(int round, double& step);
   void takeBends();
   double shareOf(const LagrangianRows::Bend& bend) const;
   bool respondToBends(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
-  bool answerCarried(LinearSolver& solver, SystemMatrix& matrix, ConstRows direction, StopToken stop, StepReport& report);
+  bool solveForCarried(LinearSolver& solver, SystemMatrix& matrix, ConstRows direction, StopToken stop, StepReport& report);
   void pullBack(std::span<const LagrangianRows::Entry> entries, Rows out);
   bool respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   void couple();
   void findLive();
   bool takeBodyRows(bool is_first, LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
-  bool answerBodies(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
+  bool solveForBodies(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   bool makesMotionAlone() const { return is_of_bodies_ && is_without_w_; }
   RedundantForces::Problem problemWith(const BodyRows* bodies, double budget) const;
   ConditionForces::Violation worst() {
     return makesMotionAlone() ? redundant_.worst(rows_.rows(), live_, solve_.sizes, allowed_) : solve_.worst(rows_.rows(), allowed_);
   }
-  void expectForces();
+  void guessForces();
   void findForces(StopToken stop);
   bool answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report);
-  void ask(ConstRows right_side, Vector& response);
-  bool answerAsked(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
+  void request(ConstRows right_side, Vector& response);
+  bool solveRequested(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   SolveReport solveInTurn(LinearSolver& solver, SystemMatrix& matrix, StopToken stop);
   void forgetChanged();
   void leaveOutForces();
@@ -195,15 +196,15 @@ class Multipliers {
   RedundantForces redundant_;              ///< the initial guess of its search, for rows with a compliance
   std::vector<double> yields_;             ///< compliance per row; empty: none has one
   std::vector<Vector> directions_;         ///< J^T of each row, shape (independent rows)
-  std::vector<char> is_aimed_;             ///< per row: it has a direction
+  std::vector<char> has_direction_;             ///< per row: it has a direction
   std::vector<std::size_t> new_rows_;      ///< rows without one; work space
-  Vector aimed_at_, here_;                 ///< x at which directions were computed; work space
+  Vector directions_at_, here_;                 ///< x at which directions were computed; work space
   std::vector<double> like_;               ///< 1 or -1: the direction equals that of the previous row, or its opposite
   std::vector<Vector> responses_;          ///< A^-1 times the directions
   std::vector<char> is_answered_;          ///< per row: the response is known or requested
   std::vector<std::size_t> new_answers_;   ///< rows whose response is new in this round; work space, like the next
-  std::vector<ConstRows> asked_;           ///< right-hand sides
-  std::vector<Rows> answers_;
+  std::vector<ConstRows> requested_;           ///< right-hand sides
+  std::vector<Rows> solutions_;
   std::vector<std::size_t> live_, coupled_;  ///< rows of W, and of the previous W
   bool has_new_answers_ = false;             ///< since the previous W
   DirectionOverlaps overlaps_;
@@ -247,8 +248,8 @@ class Multipliers {
   bool is_spent_ = false;
   int times_left_ = 0;  ///< number of times in the step that directions rotated far
   double share_ = 1;
-  std::vector<double> way_;  ///< g(x0) of keepWay(), per row
-  double share_of_way_ = 1;
+  std::vector<double> way_;  ///< g(x0) of keepInitialViolation(), per row
+  double violation_share_ = 1;
   Mixing mixing_;
 };
 

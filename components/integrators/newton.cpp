@@ -123,7 +123,7 @@ bool Newton::isAtRoundOff(NonlinearProblem& problem, double now, StepReport& rep
 /// balance no better is no lack of balance.
 bool Newton::isAtRest(NonlinearProblem& problem) {
   constexpr double nearly_none = 1e-9;
-  if (!problem.restsWithoutForces() || history_.size() > 1) return false;
+  if (!problem.isForceBalance() || history_.size() > 1) return false;
   if (!isCorrectionWithin(nearly_none, problem)) return false;
   return scale_ <= 3 * problem.roundOff().residual && problem.loads() == 0;
 }
@@ -156,7 +156,7 @@ void Newton::goToGuess(NonlinearProblem& problem, double& now) {
 }
 
 void Newton::keepIfBest(NonlinearProblem& problem, double now) {
-  if (!(now < best_norm_) || (settings.use_energy && (history_.size() < 3 || !problem.meetsBarriers()))) return;
+  if (!(now < best_norm_) || (settings.use_energy && (history_.size() < 3 || !problem.mayMeetBarriers()))) return;
   if (best_.count() != base_.count()) best_.resize(base_.count());
   copy(problem.unknowns(), best_), best_norm_ = now;
 }
@@ -174,16 +174,16 @@ void Newton::leaveBest(NonlinearProblem& problem, double now, StepReport& report
 
 StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver, StopToken stop) {
   stop_ = stop;
-  if (!was_slow_ && problem.hasWay()) {
+  if (!was_slow_ && problem.hasRemainingMotion()) {
     clear(direction_);
-    const bool is_free = problem.goAlong(direction_, true);
+    const bool is_free = problem.advanceRemainingMotion(direction_, true);
     if (!is_free && !problem.guess(direction_)) clear(direction_);
-    if (!is_free) problem.goAlong(direction_);
+    if (!is_free) problem.advanceRemainingMotion(direction_);
   }
   StepReport report = solveAll(problem, solver);
-  while (report.newton_converged && !report.failed() && problem.movesOn()) {
-    const bool has_way = problem.hasWay();
-    if (has_way) goAlong(problem, solver, report);
+  while (report.newton_converged && !report.failed() && problem.updatesLagged()) {
+    const bool has_way = problem.hasRemainingMotion();
+    if (has_way) advanceRemainingMotion(problem, solver, report);
     if (report.stopped) return report;
     keeps_scale_ = enough_ > 0 && !has_way;  // what was solved roughly is solved on
     const StepReport before = report;
@@ -196,7 +196,7 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver, StopTo
 /// What is moved goes on, and what it pushes gives way as the tangent has it: bodies that stood where they are would let it go but a
 /// part of the gap in each solve, and gaps of what is pressed hard are small. The push is decades larger than what it leaves of the
 /// forces, so that a rough solve would be of no use.
-void Newton::goAlong(NonlinearProblem& problem, LinearSolver& solver, StepReport& report) {
+void Newton::advanceRemainingMotion(NonlinearProblem& problem, LinearSolver& solver, StepReport& report) {
   constexpr double tolerance = 1e-3;
   problem.residual(residual_);
   StepReport found;
@@ -205,7 +205,7 @@ void Newton::goAlong(NonlinearProblem& problem, LinearSolver& solver, StepReport
   found.newton_iterations = pushes;
   addCounts(found, report);
   if (found.stopped) return void(report.stopped = true);
-  problem.goAlong(direction_);
+  problem.advanceRemainingMotion(direction_);
 }
 
 /// What moves on between solves stays where it is.
@@ -213,9 +213,9 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
   StepReport report;
   constexpr double little = 0.1;
   problem.residual(residual_);
-  if (!was_slow_ && !keeps_scale_) problem.takeMeasure();
+  if (!was_slow_ && !keeps_scale_) problem.updateNorms();
   double now = problem.sizeOf(residual_);
-  enough_ = problem.isOnTheWay() ? little * now : 0;
+  enough_ = problem.isIntermediate() ? little * now : 0;
   went_on_ = std::exchange(was_slow_, false);
   if (went_on_) {  // from there
     history_.pop_back();
@@ -282,7 +282,7 @@ bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& no
     return false;
   }
   const bool has_line = settings.use_energy && settings.line_search_iterations > 0 && !settings.stop_when_residual_grows;
-  if (step == 1 && has_line && problem.meetsBarriers()) goOn(problem, dot(trial_, direction_), now);  // the residual of before
+  if (step == 1 && has_line && problem.mayMeetBarriers()) goOn(problem, dot(trial_, direction_), now);  // the residual of before
   if (settings.stop_when_residual_grows && now > before) {
     report.diverged = true, report.newton_converged = false;
     report.reason = fmt::format("the residual grew from {:.3g} to {:.3g} N at Newton iteration {}", before, now,

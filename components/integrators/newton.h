@@ -28,35 +28,35 @@ class NonlinearProblem {
   /// Switches the tangent of the next residual() to one without unstable directions, as far as known, or back to -dR/du. Returns
   /// false and changes nothing if there is no other.
   virtual bool useDefiniteTangent(bool) { return false; }
-  /// Tangents may have avoidable unstable directions, until takeSureTangent() excludes them for the rest of the step.
-  virtual bool hasUnsureTangent() const { return false; }
-  virtual void takeSureTangent() {}
+  /// Tangents may have avoidable unstable directions, until excludeUnstableDirections() excludes them for the rest of the step.
+  virtual bool mayHaveUnstableDirections() const { return false; }
+  virtual void excludeUnstableDirections() {}
   virtual double energy() = 0;  ///< E(u); called only when NewtonSettings::use_energy
   virtual Rows unknowns() = 0;  ///< u, for Newton to write; shape (rows)
   /// Removes from a solver's direction the part in directions that have been fixed since the solver stored its initial
   /// guess.
-  virtual void keepToFree(Rows /*d*/) const {}
+  virtual void projectToFree(Rows /*d*/) const {}
   /// Sets d to a guess of the way from u to the end of the step, which is tried before the first iteration. Returns false if none is known.
   virtual bool guess(Rows /*d*/) { return false; }
-  virtual Rows sinceStart() { return unknowns(); }  ///< u minus its value at the start of the step, for constraint forces
+  virtual Rows changeSinceStart() { return unknowns(); }  ///< u minus its value at the start of the step, for constraint forces
   /// The largest s <= 1 for which positions may move along d without anything passing through anything else.
   virtual double longestStep(ConstRows /*d*/) { return 1; }
   /// There may be obstacles with an unbounded energy nearby: line searches then go closer to the minimum of the energy.
-  virtual bool meetsBarriers() const { return false; }
+  virtual bool mayMeetBarriers() const { return false; }
   /// Contact may begin within the step without earlier notice, as with penalties.
-  virtual bool meetsWalls() const { return false; }
+  virtual bool mayMeetPenalties() const { return false; }
   /// The equations are solved at u with lagged quantities. Returns true if those were updated, so that the equations have changed.
-  virtual bool movesOn() { return false; }
-  /// A prescribed motion has a remaining way, which goAlong() must advance before the next solve.
-  virtual bool hasWay() { return false; }
+  virtual bool updatesLagged() { return false; }
+  /// A prescribed motion has a remaining way, which advanceRemainingMotion() must advance before the next solve.
+  virtual bool hasRemainingMotion() { return false; }
   /// Sets R to its value after that motion with all nodes fixed, by the derivative at the last residual(). Returns false and changes
   /// nothing if the motion would push nothing.
   virtual bool addPush(Rows /*residual*/) { return false; }
   /// Advances the motion while u moves along d, both as far as nothing passes through anything; `wholly`: completely, or not at all
   /// and returns false. d is overwritten.
-  virtual bool goAlong(Rows /*d*/, bool /*wholly*/ = false) { return true; }
+  virtual bool advanceRemainingMotion(Rows /*d*/, bool /*wholly*/ = false) { return true; }
   /// True: the equations will change whatever the solution is, so it is only intermediate.
-  virtual bool isOnTheWay() { return false; }
+  virtual bool isIntermediate() { return false; }
   /// Moves u by s d.
   virtual void addTo(Rows u, double s, ConstRows d) const { axpy(s, d, u); }
   /// The largest relative residual of parts with separate scales. A solve whose |R| is small continues while this is large and
@@ -67,7 +67,7 @@ class NonlinearProblem {
   virtual void unknownsChanged() = 0;                 ///< called after u was written
   virtual double displacementPerUnknown() const = 0;  ///< dx/du: 1, or seconds when u is a velocity
   virtual ConstRows positions() const = 0;            ///< x(u) [m]
-  virtual void takeMeasure() {}  ///< updates the norms of frames with the present tangent
+  virtual void updateNorms() {}  ///< updates the norms of frames with the present tangent
   virtual double sizeOf(ConstRows residual) const { return norm(residual); }  ///< |R|
   virtual double lengthOf(ConstRows d) const { return norm(d); }              ///< |d|
   virtual const Motion* motionOfFrames() const { return nullptr; }  ///< if some rows are orientations
@@ -75,7 +75,7 @@ class NonlinearProblem {
   /// The magnitude of the forces balanced in R at the u of the last residual(), in R's unit: forces including reactions of fixed nodes.
   virtual double loadScale() const = 0;
   /// True for equations of forces only: nothing needs to be solved if they are round-off.
-  virtual bool restsWithoutForces() const { return false; }
+  virtual bool isForceBalance() const { return false; }
   /// The magnitude of loads in R's unit: gravity and fields without stiffness, at present.
   virtual double loads() = 0;
   /// At the u of the last residual(). Costs a product with the tangent; called only if a solve stagnates.
@@ -119,7 +119,7 @@ struct NewtonSettings {
 };
 
 /// Removes the part of d in fixed directions, which may have changed since a solver stored its initial guess.
-void keepToFree(const System& system, Rows d);
+void projectToFree(const System& system, Rows d);
 
 /// How solveOrShift() handles an indefinite matrix.
 struct ShiftTerms {
@@ -155,7 +155,7 @@ class Newton {
   /// A mode was found in the last solve(), close to its end, along which the tangent is unstable.
   bool isUnstable() const { return is_unstable_; }
   /// The last solve() ended before any iteration was close enough to the solution for a solver or isUnstable() to reveal such a mode.
-  bool hasNotLooked() const;
+  bool shouldLookForUnstableMode() const;
   /// The next solve starts from the unknowns of the last one, with the same tolerance.
   void keepScale() { keeps_scale_ = true; }
   double iterationsLeft() const;  ///< estimate for an abandoned solve
@@ -167,7 +167,7 @@ class Newton {
   class Focus;
   void solveBody(NonlinearProblem& problem, LinearSolver& solver, LightBodies& bodies, StepReport& report);
   void takeScale(NonlinearProblem& problem, double norm);
-  void goAlong(NonlinearProblem& problem, LinearSolver& solver, StepReport& report);
+  void advanceRemainingMotion(NonlinearProblem& problem, LinearSolver& solver, StepReport& report);
   bool converged(double norm) const;
   bool isForParts(const NonlinearProblem& problem, double norm);
   bool isLeftAsItWas(double norm, StepReport& report) const;

@@ -69,7 +69,7 @@ bool solveStably(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x
 
 }  // namespace
 
-void keepToFree(const System& system, Rows d) {
+void projectToFree(const System& system, Rows d) {
   const ConstraintSet& constraints = system.constraints();
   if (constraints.change() || constraints.revision() > 1) constraints.project(d);
 }
@@ -145,16 +145,16 @@ bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, doub
                         {.other = std::ref(definite), .once = once, .soft_directions = settings.restores_soft_directions});
   };
   const bool converged = report.linear_converged, at_limit = report.linear_at_limit;
-  is_unsure_ = problem.hasUnsureTangent();
+  is_unsure_ = problem.mayHaveUnstableDirections();
   bool found = solve(is_unsure_);
   // many solvers do not see that a matrix is not definite
   const bool is_bad = is_unsure_ && !report.stopped && !(found && dot(residual_, direction_) > 0);
   if (is_bad) {
-    problem.takeSureTangent();
+    problem.excludeUnstableDirections();
     is_unsure_ = false, report.linear_converged = converged, report.linear_at_limit = at_limit;
     found = solve(false);
   }
-  problem.keepToFree(direction_);
+  problem.projectToFree(direction_);
   if (switched) problem.useDefiniteTangent(false);
   went_on_ = false;
   return found;
@@ -163,7 +163,7 @@ bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, doub
 /// An iteration is close to the solution, and its tangent shows unstable modes there.
 static bool comesClose(double now, double first) { return now < 1e-2 * first; }
 
-bool Newton::hasNotLooked() const {
+bool Newton::shouldLookForUnstableMode() const {
   return !has_looked_ && (history_.size() < 2 || !comesClose(history_[history_.size() - 2], history_.front()));
 }
 
@@ -178,7 +178,7 @@ void Newton::lookForUnstableMode(NonlinearProblem& problem, LinearSolver& solver
 double Newton::searchSurely(NonlinearProblem& problem, LinearSolver& solver, double tolerance, double& now, StepReport& report) {
   const double step = search(problem, now);
   if (step > 0 || !is_unsure_ || stop_.isStopAsked()) return step;
-  problem.takeSureTangent();
+  problem.excludeUnstableDirections();
   problem.residual(residual_);  // derivatives are those of the last one
   return findDirection(problem, solver, tolerance, report) ? search(problem, now) : 0;
 }

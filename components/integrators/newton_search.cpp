@@ -58,7 +58,7 @@ double Newton::searchEnergy(NonlinearProblem& problem, double longest, double sl
       const double candidate = problem.sizeOf(trial_);
       if (std::isfinite(candidate) && (candidate < now || (enough && !drowned))) {
         now = candidate;
-        return refused == 0 || drowned || !problem.meetsBarriers() ? step : lengthen(problem, step, refused, before, slope, now);
+        return refused == 0 || drowned || !problem.mayMeetBarriers() ? step : lengthen(problem, step, refused, before, slope, now);
       }
       if (drowned) return 0;
     }
@@ -149,7 +149,7 @@ double Newton::searchWork(NonlinearProblem& problem, double longest, double& now
       now = candidate;
       return step;
     }
-    step = problem.meetsWalls() ? shorter(step, left, slope, refused) : settings.line_search_coefficient * step;
+    step = problem.mayMeetPenalties() ? shorter(step, left, slope, refused) : settings.line_search_coefficient * step;
   }
   return 0;
 }

@@ -58,7 +58,7 @@ class Orientations {
       const double z1 = c * z0 + w0 * d + a * y0 - b * x0, w1 = c * w0 - a * x0 - b * y0 - d * z0;
       // round-off must not accumulate: 1/sqrt(1 + e) equals 1 - e/2 in double precision
       const double excess = x1 * x1 + y1 * y1 + z1 * z1 + w1 * w1 - 1;
-      const double length = 1 - 0.5 * excess, scale = w1 < 0 ? -length : length;
+      const double scale = 1 - 0.5 * excess;
       plain[i] = (s < 0.06) & (std::abs(excess) < 1e-8) ? 1 : 0;
       const bool moves = s > 0;
       q[0][i] = moves ? scale * x1 : x0, q[1][i] = moves ? scale * y1 : y0;

@@ -10,7 +10,7 @@ namespace stroma {
 using Eigen::MatrixXd, Eigen::VectorXd;
 
 bool RedundantForces::scaleRows(const Problem& problem, const VectorXd& l) {
-  const auto& [rows, live, w, g, sizes, yields, allowed, at_rest, goes_on, comes_again, budget, bodies, factor] = problem;
+  const auto& [rows, live, w, g, sizes, yields, allowed, at_rest, goes_on, is_repeated, budget, bodies, factor] = problem;
   const auto count = Eigen::Index(live.size());
   const auto ownOf = [&](Eigen::Index k) {
     if (!bodies) return w(k, k);
@@ -34,7 +34,7 @@ bool RedundantForces::scaleRows(const Problem& problem, const VectorXd& l) {
     takeBodies(problem);
   else
     w_ = scale_.asDiagonal() * w * scale_.asDiagonal();
-  findYields(problem);
+  findCompliances(problem);
   return true;
 }
 
@@ -57,7 +57,7 @@ double RedundantForces::coupling(Eigen::Index i, Eigen::Index j) const {
 }
 
 /// In the units of W, one in the mean; rows that say nothing of it are as the mean.
-void RedundantForces::findYields(const Problem& problem) {
+void RedundantForces::findCompliances(const Problem& problem) {
   yields_.setZero(scale_.size());
   double sum = 0, known = 0;
   for (Eigen::Index k = 0; k < scale_.size(); ++k) {
@@ -272,15 +272,15 @@ void RedundantForces::draw(const Problem& problem, double size, VectorXd& q) {
 bool RedundantForces::find(const Problem& problem, VectorXd& l, StopToken stop) {
   constexpr int some = 1000, many = 10000;
   constexpr double well = 0.05, enough = 0.3;  // of what rows may be off by
-  stop_ = stop, has_stood_ = false, contradiction_ = 0, budget_ = problem.budget, spent = 0;
+  stop_ = stop, are_initial_guess_ = false, contradiction_ = 0, budget_ = problem.budget, spent = 0;
   const bool was_swept = std::exchange(is_swept_, false) && problem.goes_on;
   if (problem.live.empty() || !scaleRows(problem, l) || !findGroups(problem)) return false;
   off_ = none, best_ = start_, note(start_);
   if (!(off_ > rounded) || isLittle(problem, problem.at_rest)) return true;
-  const bool is_dear = was_swept || problem.bodies || !findRoots(dear);
+  const bool is_dear = was_swept || problem.bodies || !findRoots(expensive);
   if (!is_dear && findNear(problem)) return take(problem, l);
   if ((is_dear || isSingular()) && sweepToLaws(problem, some, is_dear ? enough : well, was_swept)) return take(problem, l);
-  if (is_dear && problem.comes_again) return is_swept_ = take(problem, l);
+  if (is_dear && problem.is_repeated) return is_swept_ = take(problem, l);
   if (is_dear) findRoots(none);
   if (findInside(problem)) return take(problem, l);
   if (!isSingular()) return false;
@@ -291,7 +291,7 @@ bool RedundantForces::find(const Problem& problem, VectorXd& l, StopToken stop) 
 /// Rows of free bodies say the same at most of half of what these can move by.
 bool RedundantForces::wouldSweep(const std::vector<Row>& rows, const std::vector<std::size_t>& live, int bodies, bool goes_on) const {
   const double count = double(live.size()), rank = std::min(count, 6. * bodies) / 2;
-  if (!(is_swept_ && goes_on) && count * rank * rank <= dear) return false;
+  if (!(is_swept_ && goes_on) && count * rank * rank <= expensive) return false;
   return std::ranges::none_of(live, [&](std::size_t row) {
     return rows[row].kind == Kind::given || (rows[row].kind == Kind::push && rows[row].factor > 0);
   });
@@ -330,12 +330,12 @@ bool RedundantForces::findNear(const Problem& problem) {
   VectorXd& q = work_.found;
   q = start_;
   if (problem.goes_on || off_ < unchanged) {
-    draw(problem, thin, q);
+    draw(problem, layer_compliance, q);
     if (isDone(problem)) return true;
     q = start_;
   }
-  if (!layer(thin, q)) return false;
-  draw(problem, thin, q);
+  if (!layer(layer_compliance, q)) return false;
+  draw(problem, layer_compliance, q);
   return off_ < coarse || isDone(problem);
 }
 
@@ -343,11 +343,11 @@ bool RedundantForces::findNear(const Problem& problem) {
 bool RedundantForces::findInside(const Problem& problem) {
   VectorXd& q = work_.found;
   bool is_found = false;
-  for (double first = thin; !is_found && first < 0.1 && !isOver(); first *= 100) {
+  for (double first = layer_compliance; !is_found && first < 0.1 && !isOver(); first *= 100) {
     q = searchInside(first), is_found = layer(first, q);
-    for (double size = first / 10; is_found && size > 0.5 * thin; size /= 10) is_found = layer(size, q);
+    for (double size = first / 10; is_found && size > 0.5 * layer_compliance; size /= 10) is_found = layer(size, q);
   }
-  if (is_found) draw(problem, thin, q);
+  if (is_found) draw(problem, layer_compliance, q);
   return off_ < coarse || isDone(problem);
 }
 

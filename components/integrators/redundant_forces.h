@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Forces of more conditions than degrees of freedom, as of rigid bodies whose faces touch at many points: W (condition_forces.h) is
 // P Q^T with fewer columns than rows. Such rows are redundant, and their forces not unique. A small compliance selects among all
-// solutions: with r + size Y (q - where) instead of r, and the relative compliances Y of the rows (SharesForces), the solution
+// solutions: with r + size Y (q - where) instead of r, and the relative compliances Y of the rows (GuessesForces), the solution
 // is unique. It is found with where = 0, which is the pressure of a thin elastic layer (Winkler), and then iterated with `where` at the
 // last solution until the conditions themselves hold: proximal points (Rockafellar 1976). Newton's method finds each, from the forces of
 // the previous step. If it fails, sweeps find some solution (redundant_sweeps.cpp). If these fail too, Newton's method starts from an
@@ -43,7 +43,7 @@ class RedundantForces {
     const std::vector<double>&sizes, &yields, &allowed;  ///< allowed: as of ConditionForces::solve()
     double at_rest;  ///< no search is made if the relative error of the forces is below this
     bool goes_on;    ///< l is from this step, at slightly different positions of the bodies
-    bool comes_again;  ///< the caller evaluates the result and searches again from there
+    bool is_repeated;  ///< the caller evaluates the result and searches again from there
     double budget;   ///< limit of `spent`; beyond it the search ends
     const BodyRows* bodies = nullptr;  ///< replaces w for the rows `live`; sweeps only
     double factor = 0;                 ///< with `bodies`: factor of BodyRows::couple()
@@ -62,9 +62,9 @@ class RedundantForces {
   /// The forces are from sweeps, with residuals of a fraction of the tolerances.
   bool areSwept() const { return is_swept_; }
   /// The forces are the initial guess of the last find().
-  bool haveStood() const { return has_stood_; }
+  bool areInitialGuess() const { return are_initial_guess_; }
   /// Begins a step: neither is true before a find().
-  void forget() { is_swept_ = has_stood_ = false; }
+  void forget() { is_swept_ = are_initial_guess_ = false; }
   double spent = 0;            ///< by the last find(): sum of rows times columns^2 per step
   long steps = 0, rounds = 0, sweeps = 0;  ///< totals of find(): Newton steps, interior-point iterations, sweeps
 
@@ -101,12 +101,12 @@ class RedundantForces {
     void add(std::size_t group, Eigen::Index size, const SmallVector& change);
   };
   static constexpr double none = std::numeric_limits<double>::infinity();
-  static constexpr double dear = 7.5e6;  ///< if a Newton step costs more, sweeps are tried first
-  static constexpr double thin = 1e-6;  ///< compliance of the layer, relative to the mean diagonal of W
+  static constexpr double expensive = 7.5e6;  ///< if a Newton step costs more, sweeps are tried first
+  static constexpr double layer_compliance = 1e-6;  ///< compliance of the layer, relative to the mean diagonal of W
   static constexpr double settled = 1e-13, rounded = 1e-11, near = 1e-9, coarse = 1e-6;  ///< of the largest condition without forces
 
   bool scaleRows(const Problem& problem, const Eigen::VectorXd& l);
-  void findYields(const Problem& problem);
+  void findCompliances(const Problem& problem);
   bool findGroups(const Problem& problem);
   bool findRoots(double most);
   bool isSingular() const { return p_.cols() < (w_.diagonal().array() > 0).count(); }
@@ -144,7 +144,7 @@ class RedundantForces {
   Eigen::Index widest_ = 1;
   Eigen::VectorXd scale_, offset_, yields_, start_, best_;  ///< in units in which W has a diagonal of one; start_, best_: forces
   Eigen::MatrixXd w_, p_, q_;                               ///< W, P and Q
-  bool is_swept_ = false, has_stood_ = false;
+  bool is_swept_ = false, are_initial_guess_ = false;
   double size_ = 0, off_ = 0, contradiction_ = 0;           ///< off_: of best_, of size_
   std::vector<BodyRows::Row> body_rows_;                    ///< in the place of w_, in its units; empty: there is w_
   Eigen::Index motion_size_ = 0;                            ///< numbers of the motion of all bodies

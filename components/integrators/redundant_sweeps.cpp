@@ -208,9 +208,9 @@ bool RedundantForces::sweepToLaws(const Problem& problem, int most, double enoug
   q = best_;
   findState(q, sweeps_.state);
   double off = farthest(problem, q, sweeps_.state);
-  has_stood_ = stands && off <= still;
-  const double at_once = problem.comes_again ? part * off : 0;  // bodies are elsewhere before the next
-  if (!has_stood_) off = sweep(problem, most, enough, at_once, q);
+  are_initial_guess_ = stands && off <= still;
+  const double at_once = problem.is_repeated ? part * off : 0;  // bodies are elsewhere before the next
+  if (!are_initial_guess_) off = sweep(problem, most, enough, at_once, q);
   best_ = q;
   conditions(q, work_.noted);
   off_ = offOf(q, work_.noted);

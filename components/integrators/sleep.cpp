@@ -68,7 +68,7 @@ void Sleep::compile(System& system) {
   looks_ = false;
   for (const ForceField* field : system.forceFields()) {
     // what is moved goes on its way in steps, and what friction holds creeps
-    if (dynamic_cast<const HearsSteps*>(field)) refuse("surfaces that meet, of " + field->path());
+    if (dynamic_cast<const StepListener*>(field)) refuse("surfaces that meet, of " + field->path());
     const ForceTraits traits = field->traits();
     const bool promises = traits.conservative || traits.forces_balance;  // that x alone decides, where there is no speed
     looks_ = looks_ || !promises || traits.time_dependent || traits.lagged || traits.decided_outside;

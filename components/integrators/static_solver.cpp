@@ -44,7 +44,7 @@
 #include <utility>
 
 #include "components/integrators/free_body.h"
-#include "components/integrators/lent_energy.h"
+#include "components/integrators/solve_potential.h"
 #include "components/integrators/newton_solver.h"
 #include "components/integrators/sleep.h"
 #include "components/integrators/soft_directions.h"
@@ -59,9 +59,9 @@
 namespace stroma {
 namespace {
 
-class StaticSolver final : public Integrator, public HeedsStepLimits, public FindsMultipliers {
+class StaticSolver final : public Integrator, public RespectsStepLimits, public FindsMultipliers {
  public:
-  bool heedsStepLimits() const override { return true; }
+  bool respectsStepLimits() const override { return true; }
   void declare(DataTable& table) override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
@@ -139,7 +139,7 @@ void StaticSolver::compile(System& system) {
     settings_.forcing = own.forcing;
   }
   if (!data().find("forcing_term")->isSet()) takeUsualForcing(system, settings_);
-  settings_.use_energy = settings_.restores_soft_directions = haveEnergyInSolves(system);
+  settings_.use_energy = settings_.restores_soft_directions = havePotentialInSolves(system);
   settings_.looks_for_unstable_modes = hasExactTangents(system), settings_.slow_factors = 1;
   // a limit that the scene writes is the only one
   settings_.patience = settings_component_ || data().find("newton_iterations")->isSet() ? 0 : 10;
@@ -174,7 +174,8 @@ bool StaticSolver::checkFreeBodies(System& system, StopToken stop, StepReport& r
 bool StaticSolver::endsUnstable(System& system, StopToken stop, StepReport& report) {
   const auto& fields = system.forceFields();
   const bool is_linear = std::all_of(fields.begin(), fields.end(), [](const ForceField* field) { return field->traits().linear; });
-  if (is_linear || !settings_.looks_for_unstable_modes || !step_.conditioned.empty() || !step_.newton.hasNotLooked()) return false;
+  if (is_linear || !settings_.looks_for_unstable_modes || !step_.conditioned.empty() || !step_.newton.shouldLookForUnstableMode())
+    return false;
   if (!report.newton_converged || report.failed() || report.factorisations == 0) return false;
   return hasUnstableMode(*system.linearSolver(), step_.problem.tangent(), {.stop = stop}, report);
 }

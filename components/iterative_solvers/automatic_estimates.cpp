@@ -115,11 +115,14 @@ double AutomaticInverse::solveByFormer(double each, double renewal) const {
 }
 
 /// So many iterations by block Jacobi, which assembles a matrix for them where that costs less. A way that multiplies by elements does
-/// not hide that.
+/// not hide that. The pattern that was counted last is enough here: contact changes it in every solve, and a new one costs as much as
+/// several iterations.
 double AutomaticInverse::byJacobi(double iterations) const {
+  constexpr double halving = 2.5;  // products
   const double by_products = iterations * iteration(Way::block_jacobi);
-  if (now_.blocks == 0 || !matrix_->prefersAssembled(int(iterations))) return by_products;
-  const double product = BlockMatrix::productCost(blocks(), true);
+  const double once = matrix_->assemblyCost(), product = BlockMatrix::productCost(blocks(), true);
+  const bool assembles = once >= 0 && iterations * (matrix_->productCost() - product) > once + halving * product;
+  if (now_.blocks == 0 || !assembles) return by_products;
   return std::min(by_products, assembly() / perMatrix() + iterations * (product + IterationCosts::vectors(rows_)));
 }
 

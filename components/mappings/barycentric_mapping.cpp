@@ -107,6 +107,7 @@ class BarycentricMapping final : public WeightedMapping {
 
   bool isLinear() const override { return turns_.empty(); }
   void apply(Rows x) const override {
+    turns_.noteSigns(x, output().firstRow());
     WeightedMapping::apply(x);
     turns_.apply(x, input().firstRow(), output().firstRow());
   }

@@ -4,6 +4,8 @@
 #include <Eigen/SVD>
 #include <algorithm>
 
+#include "framework/mechanics/signs.h"
+
 namespace stroma {
 
 namespace {
@@ -33,7 +35,7 @@ void CellTurns::add(Index row, const std::vector<Index>& nodes, const std::vecto
   turn.row = row;
   turn.nodes = nodes;
   turn.slopes = slopes;
-  turn.start = start;
+  turn.start = turn.before = start;
   turns_.push_back(std::move(turn));
 }
 
@@ -42,8 +44,13 @@ void CellTurns::apply(Rows x, Index parent, Index child) const {
     Mat3 f = Mat3::Zero();
     for (std::size_t a = 0; a < turn.nodes.size(); ++a) f += Vec3(x[parent + turn.nodes[a]]) * turn.slopes[a].transpose();
     decompose(f, turn.rotation, turn.stretch, turn.inverse);
-    putOrientation(Quaternion(turn.rotation) * turn.start, x, child + turn.row);
+    putOrientation(turn.before, x, child + turn.row);
+    putNearest(Quaternion(turn.rotation) * turn.start, x, child + turn.row);
   }
+}
+
+void CellTurns::noteSigns(ConstRows x, Index child) const {
+  for (Turn& turn : turns_) turn.before = orientationIn(x, child + turn.row);
 }
 
 void CellTurns::applyJ(Rows v, Index parent, Index child) const {

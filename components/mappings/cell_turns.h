@@ -28,6 +28,8 @@ class CellTurns {
   void add(Index row, const std::vector<Index>& nodes, const std::vector<Vec3>& slopes, const Quaternion& start);
   // ---- as those of Mapping: `parent` and `child` are the first rows of the states ----
   void apply(Rows x, Index parent, Index child) const;
+  /// Before apply(), if x is overwritten: of q and -q it writes the one nearer to what x holds now.
+  void noteSigns(ConstRows x, Index child) const;
   void applyJ(Rows v, Index parent, Index child) const;
   void applyJT(Rows f, Index parent, Index child) const;
   void addJacobian(std::vector<JacobianBlock>& out, Index parent, Index child) const;
@@ -49,7 +51,7 @@ class CellTurns {
     Index row = 0;
     std::vector<Index> nodes;
     std::vector<Vec3> slopes;
-    Quaternion start;
+    Quaternion start, before;  ///< q_0; what the row held
     // at the last apply()
     Mat3 rotation = Mat3::Identity(), stretch = Mat3::Identity(), inverse = Mat3::Identity() / 2;  ///< R, S, G^-1
   };

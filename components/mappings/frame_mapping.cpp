@@ -4,6 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "framework/mechanics/signs.h"
+
 namespace stroma {
 
 void FrameMapping::declare(DataTable& table) {
@@ -46,7 +48,7 @@ void FrameMapping::placeChild(bool at_rest) {
     std::size_t turn = 0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       if (child.kindOf(Index(i)) == RowKind::turn) {
-        rows[i] = rotationVector(orientation(turns_[turn].first, rest) * turns_[turn].second), ++turn;
+        rows[i] = signedRotationVector(orientation(turns_[turn].first, rest) * turns_[turn].second), ++turn;
         continue;
       }
       rows[i].setZero();

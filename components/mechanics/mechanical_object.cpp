@@ -30,7 +30,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "framework/mechanics/frames.h"
+#include "framework/mechanics/signs.h"
 #include "framework/mechanics/mapping.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/scene/factory.h"
@@ -38,11 +38,11 @@
 namespace stroma {
 namespace {
 
-Mat3 rotationXyz(const Vec3& degrees) {
+/// The sign is that of a motion about each axis in turn: w < 0 after more than half a turn.
+Quaternion rotationXyz(const Vec3& degrees) {
   const Vec3 angle = degrees * (std::numbers::pi / 180);
-  return (Eigen::AngleAxisd(angle.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(angle.y(), Vec3::UnitY()) *
-          Eigen::AngleAxisd(angle.x(), Vec3::UnitX()))
-      .toRotationMatrix();
+  return Eigen::AngleAxisd(angle.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(angle.y(), Vec3::UnitY()) *
+         Eigen::AngleAxisd(angle.x(), Vec3::UnitX());
 }
 
 class MechanicalObject final : public State {
@@ -157,7 +157,7 @@ class MechanicalObject final : public State {
           if (std::abs(q.norm() - 1) > 1e-3)
             warn(fmt::format("{}: the quaternion of frame {} has the length {:.4g}: it is made one", name,
                              rows.size() / 2, q.norm()));
-          rows.push_back(rotationVector(q.normalized())), at += 4;
+          rows.push_back(signedRotationVector(q.normalized())), at += 4;
         }
       }
     return rows;
@@ -201,10 +201,13 @@ class MechanicalObject final : public State {
     while (row_kinds.size() < position.size()) row_kinds.insert(row_kinds.end(), kinds_.begin(), kinds_.end());
   }
 
-  void turnBy(const Mat3& rotation) {
+  void turnBy(const Quaternion& given) {
+    const Mat3 rotation = given.toRotationMatrix();
+    Quaternion turn(rotation);
+    if (turn.dot(given) < 0) turn.coeffs() = -turn.coeffs();
     for (std::size_t i = 0; i < position.size(); ++i) {
       if (kindOf(Index(i)) == RowKind::place) position[i] = rotation * position[i];
-      if (kindOf(Index(i)) == RowKind::turn) position[i] = rotationVector(Quaternion(rotation) * turnedBy(position[i]));
+      if (kindOf(Index(i)) == RowKind::turn) position[i] = signedRotationVector(turn * turnedBy(position[i]));
     }
   }
   void translateBy(const Vec3& way) {

@@ -85,10 +85,14 @@ class Monitor final : public Observer {
     goes_on_ = simulation.steps() > 0;
     bool is_new = false;
     const auto unit = [&](const char* si_unit) { return unitInBrackets(simulation.scene(), si_unit); };
+    const auto of_places = [&](const char* si_unit) {  // numbers may be angles or lengths
+      return state_->kindOf(0) == RowKind::value ? std::string() : unit(si_unit);
+    };
     time_unit_ = unit("s");
-    if (export_x_) is_new = open(x_file_, "x", "positions" + unit("m")) || is_new;
-    if (export_v_) is_new = open(v_file_, "v", "velocities" + unit("m/s")) || is_new;
-    if (export_f_) is_new = open(f_file_, "f", "forces" + unit("N")) || is_new;
+    if (export_x_) is_new = open(x_file_, "x", "positions" + of_places("m"), "the quaternion x y z w") || is_new;
+    if (export_v_)
+      is_new = open(v_file_, "v", "velocities" + of_places("m/s"), "the angular velocity about x y z" + unit("rad/s")) || is_new;
+    if (export_f_) is_new = open(f_file_, "f", "forces" + of_places("N"), "the torque about x y z" + unit("N m")) || is_new;
     for (const auto& each : watched_) {
       const std::string si_unit = each->data ? each->data->unitText() : "";
       const std::vector<int>& chosen = each->field ? cells_ : nodes_;
@@ -163,13 +167,13 @@ class Monitor final : public Observer {
   std::string stem() const { return file_name_.empty() ? name() : file_name_.found; }
   std::string fileOf(const char* ending) const { return fmt::format("{}_{}.txt", stem(), ending); }
 
-  bool open(TableFile& file, const char* ending, const std::string& quantity) {
+  /// `turning`: what a frame has besides x y z.
+  bool open(TableFile& file, const char* ending, const std::string& quantity, const std::string& turning) {
     std::string head =
         fmt::format("# {} of {}\n# column 1: time{}; then {} of nodes", quantity, state_->path(), time_unit_,
                     state_->hasPointsOnly() ? "x y z"
                     : !state_->hasFrames()  ? "the numbers"
-                    : ending[0] == 'x'      ? "x y z and the quaternion x y z w"
-                                            : "x y z and the turn about x y z");
+                                            : "x y z and " + turning);
     for (const int node : nodes_) head += fmt::format(" {}", node);
     return file.open(fileOf(ending), goes_on_, head + "\n");
   }

@@ -31,7 +31,7 @@
 #include <cmath>
 #include <limits>
 
-#include "framework/mechanics/frames.h"
+#include "framework/mechanics/signs.h"
 #include "framework/mechanics/projective_constraint.h"
 #include "framework/mesh/mesh_loader.h"
 #include "framework/scene/factory.h"
@@ -134,7 +134,7 @@ class ReadState final : public ProjectiveConstraint {
     for (StateFrame& frame : frames_) {
       for (std::size_t i = 0; i < frame.x.size(); ++i)
         if (state().kindOf(Index(i)) == RowKind::turn)
-          frame.x[i] = rotationVector(Quaternion(rotation) * turnedBy(frame.x[i]));
+          frame.x[i] = signedRotationVector(Quaternion(rotation) * turnedBy(frame.x[i]));
         else
           frame.x[i] = (turn * frame.x[i] + translation_).eval();
       for (std::size_t i = 0; i < frame.v.size(); ++i)

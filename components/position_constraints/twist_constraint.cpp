@@ -20,7 +20,7 @@
 // </Node>
 #include <fmt/format.h>
 
-#include "framework/mechanics/frames.h"
+#include "framework/mechanics/signs.h"
 #include "framework/mechanics/position_constraint.h"
 #include "framework/scene/factory.h"
 
@@ -62,7 +62,7 @@ class TwistConstraint final : public PositionConstraint {
       Quaternion left = orientationIn(x, turn);
       for (int axis = 0; axis < 3; ++axis)
         if (held_[axis]) takeTwist(left, axis);
-      for (const Rows& rows : {x, reference}) putOrientation(left * kept_[i], rows, turn);
+      for (const Rows& rows : {x, reference}) putNearest(left * kept_[i], rows, turn);
     }
     return 0;
   }

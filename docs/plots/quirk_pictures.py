@@ -55,14 +55,6 @@ def kept_scenes(stroma, folder):
     return found
 
 
-def unbroken(frames):
-    """Of the two quaternions of an orientation the one nearer to that of the instant before."""
-    turns = frames.reshape(len(frames), -1, 7).copy()
-    for before, now in zip(turns, turns[1:]):
-        now[(before[:, 3:] * now[:, 3:]).sum(axis=1) < 0, 3:] *= -1
-    return turns.reshape(frames.shape)
-
-
 def movement(stroma, given, without=None):
     """State -> times and positions, shape (instants, numbers); or nothing where the scene is refused."""
     with tempfile.TemporaryDirectory() as folder:
@@ -79,8 +71,7 @@ def movement(stroma, given, without=None):
             if file.endswith(".state.gz"):
                 with gzip.open(os.path.join(folder, "out", file), "rt") as lines:
                     rows = [line.split("=")[1].split() for line in lines if line.strip().startswith(("T=", "X=", "V="))]
-                x, v = np.array(rows[1::3], float), np.array(rows[2::3], float)
-                states[file[:-9]] = np.array(rows[::3], float)[:, 0], x if x.shape == v.shape else unbroken(x)
+                states[file[:-9]] = np.array(rows[::3], float)[:, 0], np.array(rows[1::3], float)
         return states
 
 

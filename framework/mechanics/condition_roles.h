@@ -3,11 +3,11 @@
 #include "framework/mechanics/lagrangian_constraint.h"
 namespace stroma {
 /// What a LagrangianConstraint knows about the forces of redundant rows, whose forces are not unique.
-class SharesForces {
+class GuessesForces {
  public:
-  virtual ~SharesForces() = default;
+  virtual ~GuessesForces() = default;
   /// The initial force of each row [N], and its compliance relative to the other redundant rows; 0: the row is not redundant.
-  virtual void expectForces(std::span<double> forces, std::span<double> yields) const = 0;
+  virtual void guessForces(std::span<double> forces, std::span<double> yields) const = 0;
 };
 /// A LagrangianConstraint whose active conditions depend on its forces, like a point that is stopped at a corner of its curve.
 struct ChangesConditions {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "framework/mechanics/frames.h"
+#include "framework/mechanics/signs.h"
 
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace stroma {
@@ -37,8 +38,21 @@ Vec3 rotationVector(const Quaternion& q) {
   return sign * std::atan2(sine, std::abs(q.w())) / sine * q.vec();
 }
 
+Vec3 signedRotationVector(const Quaternion& q) {
+  const Vec3 shortest = rotationVector(q);
+  if (!(q.w() < 0)) return shortest;
+  constexpr double whole_turn = 2 * std::numbers::pi, nothing = 1e-150;
+  const double angle = shortest.norm();
+  return angle > nothing ? Vec3((1 - whole_turn / angle) * shortest) : Vec3(whole_turn, 0, 0);
+}
+
 void putOrientation(const Quaternion& q, Rows x, Index row) {
-  Eigen::Map<Quaternion>(x.data + std::size_t(row) * row_doubles).coeffs() = q.w() < 0 ? -q.coeffs() : q.coeffs();
+  Eigen::Map<Quaternion>(x.data + std::size_t(row) * row_doubles) = q;
+}
+
+void putNearest(const Quaternion& q, Rows x, Index row) {
+  Eigen::Map<Quaternion> to(x.data + std::size_t(row) * row_doubles);
+  to.coeffs() = to.dot(q) < 0 ? -q.coeffs() : q.coeffs();
 }
 
 void placeRow(RowKind kind, const Vec3& value, Rows x, Index row) {
@@ -49,7 +63,7 @@ void placeRow(RowKind kind, const Vec3& value, Rows x, Index row) {
 }
 
 Vec3 valueOfRow(RowKind kind, ConstRows x, Index row) {
-  return kind == RowKind::turn ? rotationVector(orientationIn(x, row)) : Vec3(x[row]);
+  return kind == RowKind::turn ? signedRotationVector(orientationIn(x, row)) : Vec3(x[row]);
 }
 
 Mat3 dexpInverse(const Vec3& r) {

@@ -19,7 +19,7 @@ inline Quaternion orientationIn(ConstRows x, Index row) { return Quaternion(x.da
 void placeRow(RowKind kind, const Vec3& value, Rows x, Index row);
 /// The inverse of that.
 Vec3 valueOfRow(RowKind kind, ConstRows x, Index row);
-/// Writes an orientation to a row of positions, with the sign for which w >= 0.
+/// Writes an orientation to a row of positions; of q and -q the one given (signs.h).
 void putOrientation(const Quaternion& q, Rows x, Index row);
 /// [r]: [r] a = r x a
 inline Mat3 crossMatrix(const Vec3& r) {

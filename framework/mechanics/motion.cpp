@@ -27,7 +27,6 @@ void Motion::turnBy(const Vec3& r, double* row) {
   Eigen::Map<Quaternion> q(row);
   q = turnedBy(r) * q;
   q.normalize();  // round-off must not add up
-  if (q.w() < 0) q.coeffs() = -q.coeffs();
 }
 
 Vec3 Motion::increment(ConstRows x0, ConstRows x1, Index row, Index to) const {

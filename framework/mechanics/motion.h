@@ -11,7 +11,7 @@ namespace stroma {
 /// Computes x + dx for a whole system. An orientation is a unit quaternion q (x, y, z, w) in x and has three numbers in
 /// every other vector. An increment with the rotation vector r (axis times angle [rad], in fixed axes) gives
 ///   q' = exp(r) q,   exp(r) = (sin(|r|/2) r/|r|, cos(|r|/2))
-/// q and -q are the same orientation. The one with w >= 0 is stored, so x, y and z determine it.
+/// q and -q are the same orientation. The sign follows the motion from the initial position: a recording has no jumps.
 /// Without orientations each function is a plain loop.
 class Motion {
  public:

@@ -16,11 +16,25 @@ const BlockMatrix& AssembledMatrix::pattern() {
   return matrix_;
 }
 
-void AssembledMatrix::makePattern() {
-  BlockPattern pattern(mappings_.empty() ? actors_.independent_rows : actors_.all_rows);
+void AssembledMatrix::addTerms(BlockPattern& pattern, bool with_changing) const {
   for (const Mass* mass : actors_.masses) mass->addPattern(pattern);
   for (const ForceField* field : actors_.force_fields)
-    if (const ForceTraits traits = field->traits(); traits.has_stiffness || traits.velocity_dependent) field->addPattern(pattern);
+    if (const ForceTraits traits = field->traits(); traits.has_stiffness || traits.velocity_dependent)
+      if (with_changing || field->patternRevision() == 0) field->addPattern(pattern);
+}
+
+Index AssembledMatrix::fewestBlocks() {
+  if (fewest_blocks_ >= 0) return fewest_blocks_;
+  // at least those of the diagonal: with mappings no other is sure to remain, and a pattern that stays is made only once
+  if (!mappings_.empty() || actors_.patternRevision() == 0) return actors_.independent_rows;
+  BlockPattern pattern(actors_.independent_rows);
+  addTerms(pattern, false);
+  return fewest_blocks_ = BlockMatrix(std::move(pattern)).blocks();
+}
+
+void AssembledMatrix::makePattern() {
+  BlockPattern pattern(mappings_.empty() ? actors_.independent_rows : actors_.all_rows);
+  addTerms(pattern, true);
   for (const Mapping* mapping : actors_.mappings)
     if (!mapping->isLinear()) mapping->addGeometricPattern(pattern);
   if (mappings_.empty()) {

@@ -31,13 +31,15 @@ class AssembledMatrix {
   /// Increases when the pattern may have changed: a force field has changed it, or the terms are different.
   long patternRevision() const { return actors_.patternRevision() + terms_revision_; }
   /// The terms are different, and so may be the pattern.
-  void termsChanged() { ++terms_revision_; }
+  void termsChanged() { ++terms_revision_, fewest_blocks_ = -1; }
   /// The constant terms have new values.
   void forgetConstantPart() { constant_part_.clear(); }
   /// Releases the pattern and its memory, but remembers its number of blocks.
   void dropPattern() { matrix_ = {}, mapped_.release(); }
   /// Blocks of the pattern; -1: unknown for the current one.
   Index blocks() const { return revision_ == patternRevision() ? block_count_ : -1; }
+  /// No more than the pattern has now: without the terms that change it, which are counted once.
+  Index fewestBlocks();
   const BlockMatrix& matrix() const { return matrix_; }
   /// Nanoseconds that J^T K J adds to an assembly once its blocks are known; 0 without mappings.
   double reductionCost() const { return mapped_.cost(); }
@@ -47,6 +49,7 @@ class AssembledMatrix {
 
  private:
   void makePattern();
+  void addTerms(BlockPattern& pattern, bool with_changing) const;
   void addConstantParts(const MatrixFactors& factors, BlockMatrix& matrix);
   void addChangingParts(const MatrixFactors& factors, BlockMatrix& matrix) const;
   void addConstantTerms(const MatrixFactors& factors, BlockMatrix& matrix) const;
@@ -57,7 +60,7 @@ class AssembledMatrix {
   const ConstraintSet& constraints_;
   BlockMatrix matrix_;
   MappedMatrix mapped_;  ///< only with mappings
-  Index block_count_ = -1;
+  Index block_count_ = -1, fewest_blocks_ = -1;
   /// patternRevision() of the pattern or, if that was released, of its number of blocks.
   long revision_ = -1;
   long terms_revision_ = 0;

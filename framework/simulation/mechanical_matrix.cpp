@@ -233,22 +233,22 @@ double MechanicalMatrix::assemblyCost() const {
 }
 
 // Matrix-free: products x (sum of the fields' products). Assembled: the assemblies plus the block products. With mappings an assembly
-// also makes J^T K J, and products cost somewhat more than is said here.
+// also makes J^T K J, and products cost somewhat more than is said here. A new pattern is only made if fewer blocks would pay.
 bool MechanicalMatrix::prefersAssembled(int expected_products) const {
-  const double product = productCost();
-  double assembly = assemblyCost();
+  const double product = productCost(), assembly = assemblyCost();
   if (assembly < 0 || expected_products * product <= assembly) return false;
-  const bool is_new = assembled_.blocks() < 0;
-  if (is_new && !areLocal(actors_)) return false;
-  if (is_new) assembled_.pattern();
-  assembly += assembled_.reductionCost();
   const bool is_halved = symmetric();
-  const double by_blocks = BlockMatrix::productCost(assembled_.blocks(), is_halved);
-  constexpr double halving = 2.5;  // products
-  if (is_halved && assembly > 0) assembly += halving * by_blocks;
-  const bool pays = expected_products * (product - by_blocks) > assembly;
-  if (is_new && !pays) assembled_.dropPattern();  // its memory is not needed after all
-  return pays;
+  const auto pays = [&](Index blocks, double more) {
+    constexpr double halving = 2.5;  // products
+    const double by_blocks = BlockMatrix::productCost(blocks, is_halved), once = assembly + more;
+    return expected_products * (product - by_blocks) > once + (is_halved && once > 0 ? halving * by_blocks : 0);
+  };
+  const bool is_new = assembled_.blocks() < 0;
+  if (is_new && (!areLocal(actors_) || !pays(assembled_.fewestBlocks(), 0))) return false;
+  if (is_new) assembled_.pattern();
+  const bool is_cheaper = pays(assembled_.blocks(), assembled_.reductionCost());
+  if (is_new && !is_cheaper) assembled_.dropPattern();  // its memory is not needed after all
+  return is_cheaper;
 }
 
 }  // namespace stroma

@@ -114,7 +114,7 @@ void NodeGroups::averagePositions(const Motion& motion, Rows x) const {
     Eigen::Vector4d sum = Eigen::Vector4d::Zero();
     for (const Index* row = begin(g); row != end(g); ++row) sum += (turns && at(*row).dot(sum) < 0 ? -1 : 1) * at(*row);
     sum = turns ? sum.normalized() : sum / double(size(g));
-    for (const Index* row = begin(g); row != end(g); ++row) at(*row) = turns && sum[3] < 0 ? -sum : sum;
+    for (const Index* row = begin(g); row != end(g); ++row) at(*row) = turns && at(*row).dot(sum) < 0 ? -sum : sum;
   }
 }
 

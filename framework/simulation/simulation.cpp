@@ -23,7 +23,7 @@ namespace {
 bool startIsGood(const System& system, Diagnostics& diagnostics) {
   bool is_good = true;
   for (LagrangianConstraint* constraint : system.actors().lagrangian_constraints) {
-    auto* hears = dynamic_cast<HearsSteps*>(constraint);
+    auto* hears = dynamic_cast<StepListener*>(constraint);
     try {
       if (hears) hears->stepBegins(system.mappingChain().positions(system.x), 0, 0);
     } catch (const ComponentError& error) {

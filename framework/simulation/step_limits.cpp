@@ -24,7 +24,7 @@ void StepLimits::compile(System& system) {
         std::fill_n(bend_.begin() + all + (is_mapped ? 0 : state->firstRow()), is_mapped ? independent : state->size(), 1.);
 }
 
-double StepLimits::ask(ConstRows x, const Way& way) const {
+double StepLimits::ask(ConstRows x, const StepPath& way) const {
   double step = 1;
   for (StepLimiter* limiter : limiters_) step = std::min(step, limiter->longestStep(x, way));
   return step;
@@ -78,18 +78,18 @@ double StepLimits::longest(ConstRows dx, double factor, bool is_carried, bool go
 
 bool StepLimits::moveOn() {
   const bool again = solvesAgain();
-  goAlong();
+  advanceRemainingMotion();
   return again;
 }
 
-void StepLimits::goAlong() {
-  if (hasWay()) goAlong(longest(still_, 1, true, true));
+void StepLimits::advanceRemainingMotion() {
+  if (hasRemainingMotion()) advanceRemainingMotion(longest(still_, 1, true, true));
 }
 
 void StepLimits::push(Rows out) const {
   clear(out);
   for (const StepLimiter* limiter : limiters_)
-    if (limiter->hasWay()) limiter->addPush(out);
+    if (limiter->hasRemainingMotion()) limiter->addPush(out);
   system_->mappingChain().pullBack(out);
 }
 
@@ -97,13 +97,13 @@ bool StepLimits::solvesAgain() {
   if (empty()) return false;
   bool again = false;
   const ConstRows x = system_->mappingChain().positions(system_->x);
-  for (StepLimiter* limiter : limiters_) again = limiter->movesOn(x) || again;
+  for (StepLimiter* limiter : limiters_) again = limiter->updatesLagged(x) || again;
   return again;
 }
 
 void tellStepBegins(const System& system, ConstRows x, double t, double t_end) {
   for (ForceField* field : system.forceFields())
-    if (auto* hears = dynamic_cast<HearsSteps*>(field)) hears->stepBegins(system.mappingChain().positions(x), t, t_end);
+    if (auto* hears = dynamic_cast<StepListener*>(field)) hears->stepBegins(system.mappingChain().positions(x), t, t_end);
   for (LagrangianConstraint* constraint : system.actors().lagrangian_constraints)
     constraint->constrainedStepBegins(system.mappingChain().positions(x), t_end);
 }
@@ -117,11 +117,14 @@ std::string overlapIn(System& system) {
 }
 
 void placeStart(System& system) {
-  for (ForceField* field : system.forceFields())
-    if (auto* places = dynamic_cast<PlacesStart*>(field)) {
+  const auto place = [&system](auto* actor) {
+    if (auto* places = dynamic_cast<CorrectsStart*>(actor)) {
       places->placeStart(system.x, system.independentRows(), [&](Rows ways) { system.constraints().project(ways); });
       system.mappingChain().positions(system.x);
     }
+  };
+  std::ranges::for_each(system.forceFields(), place);
+  std::ranges::for_each(system.actors().lagrangian_constraints, place);
 }
 
 }  // namespace stroma

@@ -15,7 +15,7 @@ class StepLimits {
  public:
   void compile(System& system);
   bool empty() const { return limiters_.empty(); }
-  /// The largest s <= 1 for which the system's positions may move by s * factor * dx; dx has the independent rows. See Way.
+  /// The largest s <= 1 for which the system's positions may move by s * factor * dx; dx has the independent rows. See StepPath.
   double longest(ConstRows dx, double factor = 1, bool is_carried = false, bool goes_along = false);
   /// Points may move on curves, because of nonlinear mappings.
   bool bends() const { return !empty() && !system_->mappingChain().isLinear(); }
@@ -24,22 +24,22 @@ class StepLimits {
   /// True if something that was fixed during the solve has changed, so the solve must be repeated. Obstacles have advanced as
   /// far as the present positions of bodies allow.
   bool moveOn();
-  /// The same while obstacles are waiting for goAlong().
+  /// The same while obstacles are waiting for advanceRemainingMotion().
   bool solvesAgain();
   /// See StepLimiter.
-  bool hasWay() const {
-    return std::any_of(limiters_.begin(), limiters_.end(), [](const StepLimiter* limiter) { return limiter->hasWay(); });
+  bool hasRemainingMotion() const {
+    return std::any_of(limiters_.begin(), limiters_.end(), [](const StepLimiter* limiter) { return limiter->hasRemainingMotion(); });
   }
   /// out = the contribution of moving obstacles to forces; shape (allRows()), of which only independent rows are used.
   void push(Rows out) const;
   /// Advances obstacles as far as the present positions of bodies allow.
-  void goAlong();
-  void goAlong(double s) {
-    for (StepLimiter* limiter : limiters_) limiter->goAlong(s);
+  void advanceRemainingMotion();
+  void advanceRemainingMotion(double s) {
+    for (StepLimiter* limiter : limiters_) limiter->advanceRemainingMotion(s);
   }
   /// See StepLimiter.
-  bool isOnTheWay() const {
-    return std::any_of(limiters_.begin(), limiters_.end(), [](const StepLimiter* limiter) { return limiter->isOnTheWay(); });
+  bool isIntermediate() const {
+    return std::any_of(limiters_.begin(), limiters_.end(), [](const StepLimiter* limiter) { return limiter->isIntermediate(); });
   }
   /// See StepLimiter.
   void wantStartForces(bool wanted, double of_end = 1) {
@@ -47,7 +47,7 @@ class StepLimits {
   }
 
  private:
-  double ask(ConstRows x, const Way& way) const;
+  double ask(ConstRows x, const StepPath& way) const;
   double largestTurn(ConstRows dx) const;
 
   System* system_ = nullptr;

@@ -43,7 +43,7 @@ TEST(RodsInSteps, RodsMoveOnceInAStepThatIsMadeInParts) {
   System& system = *simulation.systems()[0];
   const Vector start = copyOf(system.x), velocity = copyOf(system.v);
   const auto tell = [&](double t, double t_end) {
-    for (ForceField* field : system.forceFields()) dynamic_cast<HearsSteps&>(*field).stepBegins(system.x, t, t_end);
+    for (ForceField* field : system.forceFields()) dynamic_cast<StepListener&>(*field).stepBegins(system.x, t, t_end);
   };
   const double energy = system.potentialEnergy(system.x), moving = system.kineticEnergy();
   tell(0.3, 0.4);  // a node comes out, and others get its number

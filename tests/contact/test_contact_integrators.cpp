@@ -369,12 +369,56 @@ TEST(ContactIntegrators, AStepThatNeedsTooManyPartsSaysWhatHelps) {
 /// What makes one solve, or moves on from where its equations hold, cannot promise anything.
 TEST(ContactIntegrators, OthersAreRefused) {
   const std::string body = masses(0.05, Vec3::Zero(), 250, "");
-  for (const char* integrator :
-       {"<NewmarkImplicitSolver/>", "<BDFOdeSolver/>", "<TrapezoidalRuleSolver/>", "<VariationalSymplecticSolver/>",
-        "<VariationalSymplecticSolver explicitIntegration=\"true\"/>"})
-    expectContains(problemsOf(contactScene(body, 1e-3, Vec3::Zero(), integrator)), "without asking");
-  for (const char* integrator : {"<NewmarkImplicitSolver/>", "<BDFOdeSolver/>", "<TrapezoidalRuleSolver/>"})
-    expectContains(problemsOf(contactScene(body, 1e-3, Vec3::Zero(), integrator)), "newtonIterations");
+  const auto problems = [&](const std::string& integrator) {
+    return problemsOf(contactScene(body, 1e-3, Vec3::Zero(), "<" + integrator + "/>"));
+  };
+  for (const char* type : {"EulerImplicitSolver", "NewmarkImplicitSolver", "BDFOdeSolver", "TrapezoidalRuleSolver"}) {
+    expectContains(problems(std::string(type) + " newtonIterations=\"1\""), "without asking");
+    expectContains(problems(std::string(type) + " newtonIterations=\"1\""), "newtonIterations=\"30\"");
+  }
+  expectContains(problems("EulerImplicitSolver firstOrder=\"true\""), "without asking");
+  expectContains(problems("EulerImplicitSolver firstOrder=\"true\""), "firstOrder=\"false\"");
+  for (const char* type : {"VariationalSymplecticSolver", "VariationalSymplecticSolver explicitIntegration=\"true\""})
+    expectContains(problems(type), "without asking");
+}
+
+/// A scene that does not set newtonIterations gets the steps of one that sets 30, in every digit, and `explain` names the contact.
+TEST(ContactIntegrators, NewtonsMethodIsChosenForThem) {
+  const auto heights = [](const std::string& integrator, std::string& description) {
+    Simulation simulation =
+        simulationFromText(contactScene(masses(0.021, Vec3(0, 0, -1), 1500, ""), 1e-3, Vec3::Zero(), "<" + integrator + "/>"));
+    std::vector<double> found;
+    for (int i = 0; i < 60; ++i) {
+      expectCleanStep(simulation, i);
+      found.push_back(simulation.systems()[0]->x[0].z());
+    }
+    EXPECT_LT(*std::ranges::min_element(found), 0.9 * range) << "they have touched";
+    EXPECT_GT(*std::ranges::min_element(found), 0);
+    description = simulation.systems()[0]->integrator().describe();
+    return found;
+  };
+  for (const std::string type : {"EulerImplicitSolver", "EulerImplicitSolver trapezoidalScheme=\"true\"", "NewmarkImplicitSolver",
+                                 "TrapezoidalRuleSolver", "BDFOdeSolver"}) {
+    SCOPED_TRACE(type);
+    std::string chosen, written;
+    EXPECT_EQ(heights(type, chosen), heights(type + " newtonIterations=\"30\"", written));
+    expectContains(chosen, "up to 30 Newton iterations (chosen because /contact limits how far bodies move)");
+    expectContains(written, "up to 30 Newton iterations to");
+  }
+}
+
+/// Without such a contact a step is still one linear solve, or two.
+TEST(ContactIntegrators, OtherContactLeavesOneSolve) {
+  const auto description = [](const std::string& method) {
+    const Simulation simulation = simulationFromText(contactScene(
+        fmt::format("<Node name=\"a\"><MeshTopology name=\"mesh\" position=\"0 0 1  1 0 1  0 1 1\" triangles=\"0 1 2\"/>"
+                    "<MechanicalObject name=\"dofs\"/><UniformMass totalMass=\"3\"/></Node>"
+                    "<{} mstate=\"@a/dofs\" topology=\"@a/mesh\" planes=\"0 0 1 0\" {}/>",
+                    method, method == "PenaltyContact" ? "stiffness=\"100\"" : ""),
+        1e-3, Vec3::Zero(), "<EulerImplicitSolver/>"));
+    return simulation.systems()[0]->integrator().describe();
+  };
+  for (const char* method : {"PenaltyContact", "ConstraintContact"}) expectContains(description(method), "linearised once");
 }
 
 /// What nothing acts on goes on as it did: Newton's method is to find that before its first linear solve. The barrier is at rest and

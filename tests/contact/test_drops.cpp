@@ -307,7 +307,7 @@ TEST(Drops, SpikesStandAsPolyFemSays) {
   }
 }
 
-/// Steps that are too long for a plate that falls onto a spike and rubs: one of them finds no balance. Euler's rule takes
+/// Steps of a plate that falls onto a spike and rubs, with too few iterations: some of them find no balance. Euler's rule takes
 /// energy away, and so does what is left of a solve that has not converged.
 TEST(Drops, OfAPlateOntoASpikeGainNoEnergy) {
   const Body stands{{{-0.125239324, 2.987586139, 0.6959179324},
@@ -328,7 +328,7 @@ TEST(Drops, OfAPlateOntoASpikeGainNoEnergy) {
   Simulation simulation = simulationFromText(contactScene(
       node("a", stands, 1000) + node("b", plate, 16000) +
           fmt::format(fmt::runtime(between), "planes='0 1 0 0' friction='0.3' contactDistance='0.01' stiffness='1e5'"),
-      0.1, Vec3(0, -9.81, 0), "<EulerImplicitSolver newtonIterations='50' newtonTolerance='1e-4'/>"));
+      0.1, Vec3(0, -9.81, 0), "<EulerImplicitSolver newtonIterations='12' newtonTolerance='1e-4'/>"));
   const double start = energyOf(simulation);
   double unconverged = 0;
   for (int i = 0; i < 12; ++i) {

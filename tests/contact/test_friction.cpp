@@ -63,7 +63,7 @@ TEST(Friction, ASolveHasOneFunction) {
   const Vector after = t.forceAt(base), old = t.forceAt(end);
   EXPECT_GT(dot(before, before), 0);
   EXPECT_EQ(relativeDifference(before, after), 0);
-  ASSERT_TRUE(limiter.movesOn(end));
+  ASSERT_TRUE(limiter.updatesLagged(end));
   EXPECT_GT(relativeDifference(old, t.forceAt(end)), 0.01) << "sides that lean over bear a part";
 }
 
@@ -78,7 +78,7 @@ TEST(Friction, ForcesOfAStepThatDoesNotSettleAreThoseOfItsLastSolve) {
   for (int solve = 0; solve < 100 && !has_ended; ++solve) {
     const Vector& end = solve % 2 == 0 ? a : b;
     const Vector balanced = t.forceAt(end);
-    has_ended = !limiter.movesOn(end);
+    has_ended = !limiter.updatesLagged(end);
     if (!has_ended) continue;
     EXPECT_GT(solve, 5) << "they swing";
     EXPECT_EQ(limiter.overlap(end), "");
@@ -134,17 +134,17 @@ TEST(Friction, TheTangentRemembersTheLineAndTheForceDoesNot) {
 /// field's own energy.
 TEST(Friction, ForceIsTheSlopeOfWhatASolveHasForAnEnergy) {
   const auto check = [](FieldUnderTest& t, const std::string& what) {
-    auto& lender = dynamic_cast<LendsEnergy&>(t.field());
-    ASSERT_TRUE(lender.lendsEnergy());
+    auto& lender = dynamic_cast<HasSolvePotential&>(t.field());
+    ASSERT_TRUE(lender.hasSolvePotential());
     const auto energyAt = [&](double h) {
       Vector there(t.x.count());
       copy(t.x, there);
       axpy(h, t.direction, there);
-      return t.field().energy(there) + lender.lentEnergy(there);
+      return t.field().energy(there) + lender.solvePotential(there);
     };
     const double h = 1e-6, slope = -dot(t.force(), t.direction), own = t.field().energy(t.x);
     EXPECT_NEAR((energyAt(h) - energyAt(-h)) / (2 * h), slope, 1e-5 * std::abs(slope)) << what;
-    EXPECT_GT(lender.lentEnergy(t.x), 0) << what;
+    EXPECT_GT(lender.solvePotential(t.x), 0) << what;
     EXPECT_EQ(t.field().energy(t.x), own) << "it is no part of the energy of " << what;
   };
   for (const double slip : {0.4, 3.0})
@@ -162,7 +162,7 @@ TEST(Friction, ForceIsTheSlopeOfWhatASolveHasForAnEnergy) {
                                            "<PenaltyContact contactDistance=\"0.02\" planes=\"0 0 1 0\" friction=\"0.3\" "
                                            "slipVelocity=\"0.01\"/>")),
                      "PenaltyContact");
-    dynamic_cast<HearsSteps&>(t.field()).stepBegins(t.x, 0, 1);
+    dynamic_cast<StepListener&>(t.field()).stepBegins(t.x, 0, 1);
     for (Index i = 0; i < t.x.count(); ++i) t.x[i] += slip * 0.01 * Vec3(0.8, 0.6, 0);
     check(t, fmt::format("a penalty, slip {}", slip));
   }

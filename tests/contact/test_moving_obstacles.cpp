@@ -67,15 +67,15 @@ TEST(MovingObstacles, AStepThatWasStoppedBeginsAgainWithThem) {
     Vector start(t.x.count());
     copy(t.x, start);
     limiter.stepBegins(start, 0, 0.01);
-    ASSERT_TRUE(limiter.hasWay());
-    limiter.goAlong(0.5);
+    ASSERT_TRUE(limiter.hasRemainingMotion());
+    limiter.advanceRemainingMotion(0.5);
     ASSERT_NEAR(moved(), 2.5e-4, 1e-12);
     for (Index i = 0; i < t.x.count(); ++i) t.x[i] += Vec3(0, 0, 3e-4);
     t.force();
-    ASSERT_TRUE(limiter.movesOn(t.x)) << "they have a way left";
+    ASSERT_TRUE(limiter.updatesLagged(t.x)) << "they have a way left";
     limiter.stepBegins(start, 0, 0.01);
     EXPECT_EQ(moved(), 0);
-    EXPECT_TRUE(limiter.hasWay());
+    EXPECT_TRUE(limiter.hasRemainingMotion());
   }
 }
 

@@ -88,6 +88,32 @@ TEST(ResolveStart, WhatIsTooDeepOrHeldIsRefused) {
                  "cross");
 }
 
+/// A free block in a plane, and two of different meshes that share the way: afterwards gaps are those that ConstraintContact keeps.
+TEST(ResolveStart, ConstraintContactBeginsAtTheGapThatItKeeps) {
+  constexpr double range = 0.01, in = 0.05;
+  const auto scene = [&](const std::string& attributes, const std::string& other) {
+    return contactScene(bodyNode("a", boxOf(Vec3(0, 0, -in), Vec3(1, 1, 1 - in), {2, 2, 2}), "") + other +
+                            fmt::format("<ConstraintContact name=\"contact\" mstate=\"@a/dofs\" topology=\"@a/mesh\" "
+                                        "contactDistance=\"{}\" {}/>",
+                                        range, attributes),
+                        1e-3);
+  };
+  const std::string plane = "planes=\"0 0 1 0\"", block = bodyNode("b", boxOf(Vec3(0.1, 0.1, -1), Vec3(0.9, 0.9, 0), {2, 2, 2}), "");
+  expectContains(problemsOf(scene(plane, "")), "start in one another");
+  for (const bool has_block : {false, true}) {
+    SCOPED_TRACE(has_block);
+    const std::string text = scene(std::string("resolveStart=\"1\" ") + (has_block ? "other=\"@b/dofs\"" : plane), has_block ? block : "");
+    EXPECT_EQ(saidOf(text).find("starts with a gap"), std::string::npos) << "before a step has moved anything";
+    Simulation simulation = simulationFromText(text);
+    const double way = in + range, moved = constraintOutput(simulation, "movedStart").at(0);
+    EXPECT_GT(moved, (has_block ? 0.5 : 0.99) * way);
+    EXPECT_LT(moved, (has_block ? 0.9 : 1.01) * way);
+    expectCleanStep(simulation, 1);
+    EXPECT_GT(constraintOutput(simulation, "smallestGap").at(0), 0.999 * range);
+    EXPECT_LT(constraintOutput(simulation, "smallestGap").at(0), 1.1 * range);
+  }
+}
+
 /// Reset begins at the same places, and a checkpoint does not move anything again.
 TEST(ResolveStart, BeginsAgainAsItBegan) {
   Simulation simulation = simulationFromText(contactScene(

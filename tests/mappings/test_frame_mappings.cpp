@@ -394,6 +394,21 @@ TEST(FrameMappings, EmbeddedFramesTurnWithTheBody) {
   }
 }
 
+/// The rotation of a cell has no past, but its frame's quaternion goes on through w = 0.
+TEST(FrameMappings, EmbeddedFramesKeepTheirSign) {
+  Simulation simulation = simulationFromText(embeddedFrames("hexahedra=\"0 1 2 3 4 5 6 7\"", rest_cube, rest_cube));
+  System& system = *simulation.systems()[0];
+  const Quaternion start = orientationIn(system.x, 9);
+  std::vector<Vec3> rest;
+  for (Index i = 0; i < 8; ++i) rest.push_back(system.x[i]);
+  for (int k = 1; k <= 40; ++k) {  // three turns and more
+    const Quaternion q = turnedBy(0.5 * k * Vec3(0.6, 0, 0.8));
+    for (Index i = 0; i < 8; ++i) system.x[i] = q * rest[std::size_t(i)];
+    system.applyMappings();
+    EXPECT_LT((orientationIn(system.x, 9).coeffs() - (q * start).coeffs()).norm(), 1e-12) << k;
+  }
+}
+
 TEST(FrameMappings, EmbeddedFramesNeedAVolume) {
   const std::string problems = problemsOf(embeddedFrames("quads=\"0 1 2 3\"", rest_cube, rest_cube));
   EXPECT_NE(problems.find("no cell with a volume"), std::string::npos) << problems;

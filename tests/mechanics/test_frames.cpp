@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
 #include "framework/mechanics/frames.h"
 #include "framework/simulation/state_file.h"
@@ -185,6 +186,54 @@ TEST_F(FramesInFiles, AreWrittenAndReadAgain) {
     turned = std::max(turned, orientationIn(recorded[i], 3).angularDistance(Quaternion::Identity()));
   }
   EXPECT_GT(turned, 3) << "more than any hemisphere";
+}
+
+/// The quaternions in the lines of a file, which have `before` words before each and `each` numbers of a frame.
+std::vector<Quaternion> quaternionsIn(const std::string& file, const std::string& label) {
+  std::vector<Quaternion> found;
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);) {
+    std::istringstream words(line);
+    std::string first;
+    double x, y, z, q[4];
+    if (words >> first && first != "#" && (label.empty() || first == label) && words >> x >> y >> z >> q[0] >> q[1] >> q[2] >> q[3])
+      found.emplace_back(q);
+  }
+  return found;
+}
+
+/// A sphere that spins: q(t) = exp(w t) q(0), on the side of the numbers in the scene, through w = 0 many times.
+TEST_F(FramesInFiles, TheSignFollowsTheMotion) {
+  const Vec3 spin(3, -14, 8);  // 16.4 rad/s: 5 turns
+  const Quaternion start(-0.8, 0, 0, -0.6), arm(-0.6, 0, 0.8, 0);
+  for (const char* integrator : {"<EulerImplicitSolver/><SparseLDLSolver/>", "<EulerExplicitSolver/>", "<RungeKutta4Solver/>"}) {
+    Simulation simulation = simulationFromText(scene(
+        "template=\"Rigid3\" position=\"1 0 0  0 0 -0.6 -0.8\" velocity=\"0 0 0  3 -14 8\"",
+        "<UniformMass totalMass=\"2\" inertia=\"0.1 0.1 0.1\"/><WriteState filename=\"" + file("all.state") +
+            "\"/><WriteState filename=\"" + file("some.state") + "\" period=\"0.07\"/><Monitor fileName=\"" + file("m") +
+            "\" indices=\"0\" ExportPositions=\"true\"/><Node name=\"child\"><MechanicalObject name=\"dofs\" template=\"Rigid3\" "
+            "position=\"0 0 0  0 0.8 0 -0.6\"/><RigidRigidMapping/><WriteState filename=\"" + file("child.state") + "\"/></Node>",
+        integrator));
+    simulation.begin();
+    for (int i = 0; i < 210; ++i) ASSERT_FALSE(simulation.step().diverged);
+    simulation.end();
+    const auto expect = [&](const std::string& name, const char* label, int period, const Quaternion& first) {
+      const std::vector<Quaternion> found = quaternionsIn(file(name), label);
+      ASSERT_EQ(found.size(), 210u / period + 1) << name;
+      for (std::size_t i = 0; i < found.size(); ++i)
+        EXPECT_LT((found[i].coeffs() - (turnedBy(0.01 * double(i) * period * spin) * first).coeffs()).norm(), 1e-11)
+            << integrator << " " << name << " " << i;
+    };
+    expect("all.state", "X=", 1, start);
+    expect("some.state", "X=", 7, start);
+    expect("m_x.txt", "", 1, start);
+    expect("child.state", "X=", 1, start * arm);
+    const Vector last = [&] { Vector copied(2); copy(systemOf(simulation).x.rows().head(2), copied); return copied; }();
+    simulation.reset();
+    EXPECT_LT((orientationIn(systemOf(simulation).x, 1).coeffs() - start.coeffs()).norm(), 1e-15) << "a reset has the sign of the scene";
+    for (int i = 0; i < 210; ++i) ASSERT_FALSE(simulation.step().diverged);
+    EXPECT_TRUE(std::equal(last.rows().data, last.rows().data + last.rows().doubles(), systemOf(simulation).x.rows().data));
+  }
 }
 
 TEST_F(FramesInFiles, AreTurnedAndMovedAsTheyAreRead) {

@@ -131,13 +131,10 @@ TEST_P(EveryStep, TurnsAFreeFrameByItsAngularVelocity) {
   Simulation simulation = simulationFromText(scene(GetParam(), "", "spin=\"1 2 -2\" orientation=\"0.6 0 0\""));
   const Eigen::Quaterniond start(0.8, 0.6, 0, 0);
   EXPECT_LT(orientationOf(simulation).angularDistance(start), 1e-15);
-  for (int step = 0; step < 300; ++step) {
-    ASSERT_FALSE(simulation.step().diverged);
-    ASSERT_GE(orientationOf(simulation).w(), 0) << "x, y and z alone would tell another orientation";
-  }
+  for (int step = 0; step < 300; ++step) ASSERT_FALSE(simulation.step().diverged);
   const System& system = *simulation.systems()[0];
   EXPECT_NEAR(orientationOf(simulation).norm(), 1, 1e-15);
-  EXPECT_LT(orientationOf(simulation).angularDistance(turn(9, spin) * start), 1e-12) << "9 rad in 3 s";
+  EXPECT_LT((orientationOf(simulation).coeffs() - (turn(9, spin) * start).coeffs()).norm(), 1e-12) << "9 rad in 3 s, and its sign";
   EXPECT_LT((Vec3(system.v[1]) - spin).norm(), 1e-12);
   EXPECT_EQ(system.v.rows().data[row_doubles + 3], 0);
   EXPECT_NEAR(system.x[0][1], -45, 1) << "its centre falls";

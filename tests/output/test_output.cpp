@@ -125,6 +125,51 @@ TEST_F(Output, MonitorWritesColumns) {
   for (const auto& row : f) EXPECT_NEAR(row[2], -20, 1e-13);
 }
 
+/// Seven columns of a frame in positions, six in velocities and forces; as many as a node has numbers.
+TEST_F(Output, MonitorWritesFramesAndNumbers) {
+  {
+    Simulation simulation = simulationFromText(R"(<Node name="root" dt="0.1" gravity="0 -10 0" units="mm t s"><EulerExplicitSolver/>
+      <Node name="b"><MechanicalObject name="dofs" template="Rigid3" position="9 9 9 0 0 0 1  1 2 3 0 0 0.6 -0.8"
+      velocity="0 0 0 0 0 0  1 0 0 0 0 5"/>
+      <UniformMass totalMass="4" inertia="0.2 0.2 0.2"/><ConstantForceField indices="1" forces="0 0 0 0.1 0.2 0.3"/>
+      <Monitor name="b" indices="1" ExportPositions="true" ExportVelocities="true" ExportForces="true"/></Node>
+      <Node name="n"><MechanicalObject name="dofs" template="Vec2" position="4 -3  7 8" velocity="1 2  0 0"/><UniformMass totalMass="2"/>
+      <Monitor name="n" indices="1 0" ExportPositions="true" ExportVelocities="true"/></Node></Node>)");
+    simulation.begin();
+    simulation.step();
+    simulation.end();
+  }
+  const auto x = columns("b_x.txt"), v = columns("b_v.txt"), f = columns("b_f.txt"), n = columns("n_x.txt"), rates = columns("n_v.txt");
+  ASSERT_EQ(x.size(), 2u);
+  ASSERT_EQ(x[1].size(), 8u);
+  EXPECT_EQ(std::vector<double>(x[0].begin(), x[0].begin() + 4), (std::vector<double>{0, 1, 2, 3}));
+  const double half = std::atan2(0.6, -0.8);
+  for (std::size_t k = 0; k < 2; ++k) {  // w grows by 0.3/0.2 * 0.1
+    EXPECT_NEAR(x[k][6], std::sin(half + (k ? 0.05 * 5.15 : 0)), 1e-3);
+    EXPECT_NEAR(x[k][7], std::cos(half + (k ? 0.05 * 5.15 : 0)), 1e-3) << "the sign of the scene";
+  }
+  ASSERT_EQ(v[1].size(), 7u);
+  EXPECT_EQ(v[0], (std::vector<double>{0, 1, 0, 0, 0, 0, 5}));
+  EXPECT_NEAR(v[1][6], 5.15, 1e-12);
+  ASSERT_EQ(f[1].size(), 7u);
+  for (const auto& row : f)
+    for (const auto& [column, force] : {std::pair(2, -20.), {4, 0.1}, {5, 0.2}, {6, 0.3}})
+      EXPECT_NEAR(row[std::size_t(column)], force, 1e-12);
+  EXPECT_EQ(n[0], (std::vector<double>{0, 7, 8, 4, -3}));
+  EXPECT_EQ(rates[0], (std::vector<double>{0, 0, 0, 1, 2}));
+  const auto head = [](const char* file) {
+    std::ifstream stream(file);
+    std::string text, line;
+    while (std::getline(stream, line) && line.starts_with('#')) text += line + "\n";
+    return text;
+  };
+  const std::string time = "# column 1: time [s]; then ";
+  EXPECT_EQ(head("b_x.txt"), "# positions [mm] of /b/dofs\n" + time + "x y z and the quaternion x y z w of nodes 1\n");
+  EXPECT_EQ(head("b_v.txt"), "# velocities [mm/s] of /b/dofs\n" + time + "x y z and the angular velocity about x y z [rad/s] of nodes 1\n");
+  EXPECT_EQ(head("b_f.txt"), "# forces [N] of /b/dofs\n" + time + "x y z and the torque about x y z [N mm] of nodes 1\n");
+  EXPECT_EQ(head("n_x.txt"), "# positions of /n/dofs\n" + time + "the numbers of nodes 1 0\n") << "angles or lengths";
+}
+
 /// What another component computes: of lists with a value for each node the chosen ones, of others all.
 TEST_F(Output, MonitorWritesWhatOtherComponentsCompute) {
   const auto body = [](const std::string& attributes) {

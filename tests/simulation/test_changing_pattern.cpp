@@ -11,6 +11,8 @@
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
 
+int patterns = 0;  ///< of all springs below
+
 /// Springs of rest length zero between pairs of nodes, each from one time to another.
 class ComingSprings final : public NodeGroupField<2, PairTangent> {
  public:
@@ -20,6 +22,7 @@ class ComingSprings final : public NodeGroupField<2, PairTangent> {
     table.add("from", from_).help("first end of a step with each spring").unit("s");
     table.add("until", until_).help("last end of a step with each spring").unit("s");
     table.add("stiffness", k_).help("of each spring").unit("N/m");
+    table.add("assemblyCost", assembly_cost_).help("0: the usual one").unit("-");
   }
   ForceTraits traits() const override {
     ForceTraits traits;
@@ -36,6 +39,8 @@ class ComingSprings final : public NodeGroupField<2, PairTangent> {
     ++revision_;
   }
   long patternRevision() const override { return revision_; }
+  void addPattern(BlockPattern& pattern) const override { ++patterns, NodeGroupField::addPattern(pattern); }
+  Cost cost() const override { return assembly_cost_ > 0 ? Cost{1, assembly_cost_} : NodeGroupField::cost(); }
   double energy(ConstRows x) const override {
     double sum = 0;
     for (const Group& pair : rows_) sum += k_ / 2 * (x[pair[1]] - x[pair[0]]).squaredNorm();
@@ -54,7 +59,7 @@ class ComingSprings final : public NodeGroupField<2, PairTangent> {
  private:
   std::vector<int> pairs_;
   std::vector<double> from_, until_;
-  double k_ = 0;
+  double k_ = 0, assembly_cost_ = 0;
   long revision_ = 0;
 };
 
@@ -131,6 +136,23 @@ TEST(ChangingPattern, AnalysisIsMadeOncePerChangeAndNoOther) {
   // the first step; springs come at the ends of steps 5 and 10, and are gone after those of 15, 20 and 25
   EXPECT_EQ(steps, (std::vector<int>{1, 5, 10, 16, 21, 26}));
   EXPECT_EQ(analyses, 6);
+}
+
+/// The blocks that always are there are enough to find that a matrix would not pay.
+TEST(ChangingPattern, IsNotMadeForAMatrixThatWouldNotPay) {
+  Simulation simulation = simulationFromText(scene(products, coming + " assemblyCost=\"1e5\""));
+  const MechanicalMatrix& matrix = simulation.systems()[0]->matrix();
+  ASSERT_GT(matrix.productCost(), 0);
+  const int few = int(matrix.assemblyCost() / matrix.productCost()) + 1;  // by far too few for the products of blocks besides
+  EXPECT_FALSE(matrix.prefersAssembled(few));
+  const int before = patterns;
+  for (int step = 1; step <= 30; ++step) {
+    ASSERT_FALSE(simulation.step().diverged);
+    EXPECT_FALSE(matrix.prefersAssembled(few)) << "step " << step;
+  }
+  EXPECT_EQ(patterns, before);
+  EXPECT_TRUE(matrix.prefersAssembled(100 * few));
+  EXPECT_EQ(patterns, before + 1) << "it is made to be sure";
 }
 
 TEST(ChangingPattern, ProductsAndFactorsGiveOneTrajectory) {

@@ -2,6 +2,7 @@
 """`stroma regress` on lists and references as SOFA has them, and `stroma check --sofa` on folders. Usage: test_regression.py STROMA"""
 import gzip
 import json
+import math
 import os
 import subprocess
 import sys
@@ -89,6 +90,67 @@ fails(as_json({t: positions(int(t / H + 1.5)) if t else positions(0) for t in fr
 fails(as_json({t: x[:2] for t, x in frames().items()}), "mstate_0_dofs.json.gz", "numbers")
 fails(as_json(frames()), "mstate_0_other.json.gz", "other")
 
+# frames: a body that spins about a fixed axis while it drifts, in closed form; its quaternion passes w = 0 several times
+SPIN, DRIFT, TURNS = (3.0, -14.0, 8.0), (0.01, 0, 0), 61
+START = (0.0, 0.0, -0.6, -0.8)
+
+
+def product(a, b):
+    (x, y, z, w), (p, q, r, s) = a, b
+    return (w * p + x * s + y * r - z * q, w * q - x * r + y * s + z * p, w * r + x * q - y * p + z * s, w * s - x * p - y * q - z * r)
+
+
+def turned(t, rate=1.0):
+    """exp(rate w t) q(0), without a break."""
+    size = sum(c * c for c in SPIN) ** 0.5
+    half = rate * size * t / 2
+    return product([math.sin(half) * c / size for c in SPIN] + [math.cos(half)], START)
+
+
+def spinning(frames=1, way=1.0, rate=1.0, sign=lambda q: 1, late=0):
+    """A second frame stays where it is."""
+    out = {}
+    for k in range(TURNS):
+        t = (k + late) * H if k else 0
+        q = turned(t, rate)
+        q = [c * sign(q) for c in q]
+        out[round(k * H, 10)] = [[1 + way * DRIFT[0] * t, 2, 3, *q]] + [[0, 0, 5, 0, 0, 0, 1.0]] * (frames - 1)
+    return out
+
+
+def spins(reference, frames=1):
+    more = "  0 0 5 0 0 0 1" * (frames - 1), "  0 0 0 0 0 0" * (frames - 1)
+    scene = (f'<Node name="root" gravity="0 0 0" dt="{H}"><EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject name="dofs" '
+             f'template="Rigid3" position="1 2 3 0 0 -0.6 -0.8{more[0]}" velocity="{DRIFT[0]} 0 0 {" ".join(map(str, SPIN))}{more[1]}"/>'
+             '<UniformMass vertexMass="2 1 0.1 0 0 0 0.1 0 0 0 0.1"/></Node>')
+    return run(as_json(reference) if isinstance(reference, dict) else reference, "mstate_0_dofs.json.gz", scene,
+               line=f"Mass/fall.scn {TURNS} 1e-4 1 0")
+
+
+assert any(spinning()[round(k * H, 10)][0][6] < 0 < spinning()[round(k * H + H, 10)][0][6] for k in range(TURNS - 1))
+code, text, result = spins(spinning())
+assert code == 0 and result["verdict"] == "passed" and result["relative"] < 1e-9 and result["sofa_passes"], text
+# q and -q are one orientation, at the start too; to SOFA's own criterion they are two
+for sign in (lambda q: -1 if q[3] < 0 else 1, lambda q: -1):
+    code, text, result = spins(spinning(sign=sign))
+    assert code == 0 and result["relative"] < 1e-9 and result["sofa"] > 1e-2 and not result["sofa_passes"], text
+# the angle 1 % off: at the end by 0.099 rad, of at most half a turn; the drift is right
+code, text, result = spins(spinning(rate=1.01))
+assert code == 1 and result["verdict"] == "failed" and result["relative_of"]["positions"] < 1e-9, text
+assert abs(result["largest_of"]["orientations"] - 0.01 * 0.6 * sum(c * c for c in SPIN) ** 0.5) < 1e-6, text
+assert result["relative"] == result["relative_of"]["orientations"] > 0.02 and "rad" in text, text
+# 6 mm of drift off by 10 %, beside half a turn that is right
+code, text, result = spins(spinning(way=1.1))
+assert code == 1 and result["relative_of"]["orientations"] < 1e-9 and abs(result["relative"] - 0.1 / 1.1) < 1e-6, text
+for wrong, word in ((as_json(spinning()).replace("0.6, ", "NaN, ", 1), "JSON"), (spinning(late=1), "relative"),
+                    ({t: [[*x[0][:3], x[0][6], *x[0][3:6]]] for t, x in spinning().items()}, "relative"),
+                    ({t: [[*x[0][:3], *(1.1 * c for c in x[0][3:])]] for t, x in spinning().items()}, "quaternion of frame 0 has the length 1.1")):
+    code, text, result = spins(wrong)
+    assert code == 1 and result["verdict"] == "failed" and word in text, text
+assert spins(spinning(2), 2)[0] == 0
+code, text, result = spins({t: x[::-1] for t, x in spinning(2).items()}, 2)
+assert code == 1 and result["verdict"] == "failed", text
+
 # a list says what it means, or nothing is run
 good = as_json(frames()), "mstate_0_dofs.json.gz"
 for line in ("Mass/fall.scn 11 1e-4", "Mass/fall.scn 11 1e-4 1 0 0", "Mass/fall.scn 11 1e-4 1 1 0.05"):
@@ -127,6 +189,15 @@ for option, word in (("--update", "update"), ("--bits", "bits"), ("--threads=1",
 # nobody can match it: neither passed nor failed
 wrong = as_json({round(k * 0.01, 10): [[0, 0, 0], [1, -1 if k > 40 else 0, 0], [2, 0, 0]] for k in range(60)})
 code, text, result = run(wrong, "mstate_0_dofs.json.gz", CHAOS)
+assert code == 0 and result["verdict"] == "undecided" and result["sensitivity"] > 1e-3, text
+
+# a pendulum that stands on its head: moved by 1e-9 rad at the start it falls, to a side that no program knows
+UPRIGHT = ('<Node name="root" gravity="0 -3000 0" dt="0.01"><EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject name="dofs" '
+           'template="Rigid3" position="0 0 0 0 0 0 1"/><UniformMass vertexMass="1 1 1 0 0 0 1 0 0 0 1"/><PartialFixedProjectiveConstraint '
+           'indices="0" fixedDirections="1 1 1 0 0 0"/><Node name="bob"><MechanicalObject name="bob" position="0 1 0"/>'
+           '<UniformMass totalMass="1"/><RigidMapping/></Node></Node>')
+fallen = as_json({round(k * H, 10): [[0, 0, 0, 0, 0, *((0, 1) if k < 50 else (0.6, 0.8))]] for k in range(60)})
+code, text, result = run(fallen, "mstate_0_dofs.json.gz", UPRIGHT, line="Mass/fall.scn 60 1e-4 1 0")
 assert code == 0 and result["verdict"] == "undecided" and result["sensitivity"] > 1e-3, text
 
 # a folder of scenes

@@ -123,5 +123,66 @@ TEST_F(Expectations, ARunThatGoesOnComparesWhatIsLeft) {
   EXPECT_EQ(stroma("run scene.xml -n 20 --record out --resume").code, 0);
 }
 
+/// A frame that spins by 5 rad/s about z while it drifts, and a point.
+TEST_F(Expectations, FramesNumbersAndMomentum) {
+  const auto scene = [this](const std::string& expectation) {
+    write("frames.xml", R"(<Node name="root" dt="0.01" gravity="0 0 0"><EulerExplicitSolver/>
+      <Node name="b"><MechanicalObject name="dofs" template="Rigid3" position="1 2 0  0 0 0 1" velocity="3 0 0  0 0 5"/>
+      <UniformMass totalMass="2" inertia="0.1 0.2 0.4"/><Node name="tip"><MechanicalObject name="dofs"
+      position="0 0.5 0"/><RigidMapping/></Node></Node>
+      <Node name="p"><MechanicalObject name="dofs" position="0 1 0" velocity="0 0 7"/><UniformMass totalMass="0.5"/></Node>
+      )" + expectation + "</Node>");
+    return stroma("run frames.xml --no-record -n 100");
+  };
+  const auto meets = [&](const std::string& words) {
+    const Finished done = scene("<Expect " + words + " tolerance=\"1e-9\" absolute=\"1e-12\" when=\"always\"/>");
+    EXPECT_EQ(done.code, 0) << words << "\n" << done.err;
+    EXPECT_NE(done.err.find("1 result is as expected"), std::string::npos) << words << "\n" << done.err;
+  };
+  const auto misses = [&](const std::string& words, const std::string& sentence, int code = 1) {
+    const Finished done = scene("<Expect " + words + "/>");
+    EXPECT_EQ(done.code, code) << words << "\n" << done.err;
+    EXPECT_NE(done.err.find(sentence), std::string::npos) << words << "\n" << done.err;
+  };
+  meets(R"xml(of="/b/dofs.orientation" axis="z" is="5*t-2*pi*rint(5*t/(2*pi))")xml");
+  meets(R"xml(of="/b/dofs.orientation" axis="norm" is="abs(5*t-2*pi*rint(5*t/(2*pi)))")xml");
+  misses(R"xml(of="/b/dofs.orientation" axis="z" is="4.95*t" at="0.4" tolerance="1e-3")xml",
+         "/b/dofs.orientation node 0 z is 2 at t = 0.4, expected 1.98");
+  meets(R"xml(of="/b/dofs.angularVelocity" axis="z" is="5")xml");
+  misses(R"xml(of="/b/dofs.angularVelocity" is="0")xml", "angularVelocity node 0 z is 5 at");
+  meets(R"xml(of="/b/dofs.position" axis="x" is="1+3*t")xml");
+  // 2 kg at (1 + 3t, 2, 0) with 3 m/s along x, 0.4 kg m^2 about z; 0.5 kg at (0, 1, 7t) with 7 m/s along z
+  meets(R"xml(of="linear_momentum" axis="x" is="6")xml");
+  meets(R"xml(of="linear_momentum" axis="z" is="3.5")xml");
+  meets(R"xml(of="angular_momentum" axis="z" is="2-12")xml");
+  meets(R"xml(of="angular_momentum" axis="x" is="3.5")xml");
+  misses(R"xml(of="angular_momentum" axis="norm" is="10")xml", "angular_momentum norm is 10.59");
+  meets(R"xml(of="/p/dofs.velocity" axis="z" is="7")xml");
+  misses(R"xml(of="/p/dofs.orientation" is="0")xml", "the nodes of /p/dofs have no orientation", 2);
+  misses(R"xml(of="/b/dofs.orientatoin" is="0")xml", "orientatoin", 2);
+}
+
+/// Every number of a node, not its first alone.
+TEST_F(Expectations, NumbersOfNodes) {
+  const auto run = [this](const std::string& expectation) {
+    write("numbers.xml", R"(<Node name="root" dt="0.01" gravity="0 0 0"><EulerExplicitSolver/>
+      <MechanicalObject name="dofs" template="Vec6" position="1 2 3 4 5 6" velocity="0 0 0 0 0 2"/><UniformMass totalMass="1"/>)" +
+                             expectation + "</Node>");
+    return stroma("run numbers.xml --no-record -n 100");
+  };
+  for (const char* good : {R"xml(of="/dofs.position" axis="y" is="2")xml",
+                           R"xml(of="/dofs.displacement" above="-1e-9" below="2.000001")xml",
+                           R"xml(of="/dofs.velocity" axis="norm" is="2")xml", R"xml(of="/dofs.displacement" axis="norm" is="2*t")xml"}) {
+    const Finished done = run(std::string("<Expect ") + good + "/>");
+    EXPECT_EQ(done.code, 0) << good << "\n" << done.err;
+  }
+  const Finished last = run(R"xml(<Expect of="/dofs.displacement" below="1"/>)xml");
+  EXPECT_EQ(last.code, 1) << last.err;
+  EXPECT_NE(last.err.find("/dofs.displacement node 0 number 5 is 2 at t = 1"), std::string::npos) << last.err;
+  const Finished mass = run(R"xml(<Expect of="linear_momentum" is="0"/>)xml");
+  EXPECT_EQ(mass.code, 2);
+  EXPECT_NE(mass.err.find("is a mass on numbers"), std::string::npos) << mass.err;
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

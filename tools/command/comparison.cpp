@@ -31,99 +31,116 @@ std::string mismatch(const Frames& reference, const Frames& actual) {
   return {};
 }
 
-std::string notFinite(const Frames& frames, const char* whose) {
+std::string notFinite(const Frames& frames, const char* whose, const State& state) {
   for (const StateFrame& frame : frames)
     for (std::size_t i = 0; i < frame.x.size(); ++i)
       if (!frame.x[i].allFinite() || !frame.v[i].allFinite())
-        return fmt::format("{} node {} at t = {:.6g} s is not finite: x = ({} {} {}), v = ({} {} {})", whose, i,
-                           frame.time, frame.x[i].x(), frame.x[i].y(), frame.x[i].z(), frame.v[i].x(), frame.v[i].y(),
-                           frame.v[i].z());
+        return fmt::format("{} node {} at t = {:.6g} s is not finite: x = ({} {} {}), v = ({} {} {})", whose,
+                           Index(i) / state.rows_per_node, frame.time, frame.x[i].x(), frame.x[i].y(), frame.x[i].z(),
+                           frame.v[i].x(), frame.v[i].y(), frame.v[i].z());
   return {};
 }
 
-Eigen::AlignedBox3d boxOf(const std::vector<Vec3>& points) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& point : points) box.extend(point);
-  return box;
-}
+/// Rows of one kind: which they are, and what their errors are measured against.
+struct OneKind {
+  RowKind kind;
+  const State& state;
+  double size = 1, speed = 1;
 
-/// What errors are measured against.
-struct Scales {
-  double length = 0, velocity = 0;
-  explicit Scales(const Frames& reference) {
+  OneKind(RowKind of, const State& whose, const Frames& reference) : kind(of), state(whose) {
     Eigen::AlignedBox3d box;
     double fastest = 0;
-    for (const StateFrame& frame : reference) {
-      box.extend(boxOf(frame.x));
-      for (const Vec3& v : frame.v) fastest = std::max(fastest, v.norm());
+    for (const StateFrame& frame : reference)
+      each(frame.x.size(), [&](std::size_t i) { box.extend(frame.x[i]), fastest = std::max(fastest, frame.v[i].norm()); });
+    if (kind != RowKind::turn && !box.isEmpty()) {
+      const double range = box.diagonal().norm(), magnitude = kind == RowKind::value ? box.center().norm() : 0;
+      size = range > 0 ? range : magnitude > 0 ? magnitude : 1;
     }
-    length = box.diagonal().norm() > 0 ? box.diagonal().norm() : 1;
     const double duration = reference.back().time - reference.front().time;
-    velocity = std::max(fastest, duration > 0 ? length / duration : 0);
-    if (velocity == 0) velocity = 1;
+    speed = std::max(fastest, duration > 0 ? size / duration : 0);
+    if (speed == 0) speed = 1;
+  }
+
+  /// Calls visit(i) for each of these rows among `count`.
+  template <class Visit>
+  void each(std::size_t count, Visit&& visit) const {
+    for (std::size_t i = 0; i < count; ++i)
+      if (kind == state.kindOf(Index(i))) visit(i);
+  }
+
+  /// The L2 norm of the positions, of places about the centre of their box: a body far from the origin is not judged mildly.
+  double norm(const std::vector<Vec3>& x) const {
+    Eigen::AlignedBox3d box;
+    std::size_t count = 0;
+    each(x.size(), [&](std::size_t i) { box.extend(x[i]), ++count; });
+    double sum = 0;
+    if (kind == RowKind::place) each(x.size(), [&](std::size_t i) { sum += (x[i] - box.center()).squaredNorm(); });
+    return sum > 0 ? std::sqrt(sum) : size * std::sqrt(double(count));
   }
 };
 
-/// The node that differs most at one instant.
+/// The row that differs most at one instant.
 struct Worst {
-  double difference = -1;
-  std::size_t node = 0;
+  double difference = 0;
+  std::size_t row = 0, count = 0;
   double sum_of_squares = 0;
 };
 
-Worst worstOf(const std::vector<Vec3>& reference, const std::vector<Vec3>& actual) {
+template <class Way>
+Worst worstOf(const OneKind& rows, const std::vector<Vec3>& reference, const std::vector<Vec3>& actual, Way&& way) {
   Worst worst;
-  for (std::size_t i = 0; i < reference.size(); ++i) {
-    const double difference = (actual[i] - reference[i]).norm();
+  rows.each(reference.size(), [&](std::size_t i) {
+    const double difference = way(reference[i], actual[i]).norm();
     worst.sum_of_squares += difference * difference;
-    if (difference > worst.difference) worst.difference = difference, worst.node = i;
-  }
+    if (difference > worst.difference || worst.count == 0) worst.difference = difference, worst.row = i;
+    ++worst.count;
+  });
   return worst;
 }
 
-/// The size of the positions about the centre of their box, so that a body far from the origin is not judged mildly.
-double normAboutCentre(const std::vector<Vec3>& points, double length) {
-  const Vec3 centre = boxOf(points).center();
-  double sum = 0;
-  for (const Vec3& point : points) sum += (point - centre).squaredNorm();
-  return sum > 0 ? std::sqrt(sum) : length * std::sqrt(double(points.size()));
-}
-
-std::string describe(const char* what, double error, double tolerance, const StateFrame& frame, const Worst& worst,
+std::string describe(const OneKind& rows, bool moving, double error, double tolerance, double time, const Worst& worst,
                      const std::vector<Vec3>& reference, const std::vector<Vec3>& actual) {
-  const Vec3 &r = reference[worst.node], &a = actual[worst.node];
+  const Vec3 &r = reference[worst.row], &a = actual[worst.row];
+  const char* const what = rows.kind == RowKind::turn ? (moving ? "angular velocity" : "orientation (rotation vector)")
+                           : rows.kind == RowKind::value ? (moving ? "rate" : "number")
+                                                         : (moving ? "velocity" : "position");
   return fmt::format(
       "{} differs by {:.3g} (tolerance {:.3g}) at t = {:.6g} s, most at node {}: ({:.9g} {:.9g} {:.9g}), reference "
       "({:.9g} {:.9g} {:.9g})",
-      what, error, tolerance, frame.time, worst.node, a.x(), a.y(), a.z(), r.x(), r.y(), r.z());
+      what, error, tolerance, time, Index(worst.row) / rows.state.rows_per_node, a.x(), a.y(), a.z(), r.x(), r.y(), r.z());
+}
+
+void compareRows(const OneKind& rows, const StateFrame& r, const StateFrame& a, double tolerance, Comparison& result) {
+  const auto way = [&](const Vec3& from, const Vec3& to) { return wayBetween(rows.kind, from, to); };
+  const auto change = [](const Vec3& from, const Vec3& to) { return Vec3(to - from); };
+  const Worst x = worstOf(rows, r.x, a.x, way), v = worstOf(rows, r.v, a.v, change);
+  if (x.count == 0) return;
+  const double x_max = x.difference / rows.size, v_max = v.difference / rows.speed;
+  const double x_l2 = std::sqrt(x.sum_of_squares) / rows.norm(r.x);
+  const double v_l2 = std::sqrt(v.sum_of_squares / double(v.count)) / rows.speed;
+  result.position_error = std::max(result.position_error, x_max);
+  result.position_l2_error = std::max(result.position_l2_error, x_l2);
+  result.velocity_error = std::max(result.velocity_error, v_max);
+  result.velocity_l2_error = std::max(result.velocity_l2_error, v_l2);
+  if (!result.failure.empty()) return;
+  if (!(std::max(x_max, x_l2) <= tolerance))
+    result.failure = describe(rows, false, std::max(x_max, x_l2), tolerance, r.time, x, r.x, a.x);
+  else if (!(std::max(v_max, v_l2) <= tolerance))
+    result.failure = describe(rows, true, std::max(v_max, v_l2), tolerance, r.time, v, r.v, a.v);
 }
 
 }  // namespace
 
-Comparison compare(const Frames& reference, const Frames& actual, double tolerance) {
+Comparison compare(const Frames& reference, const Frames& actual, double tolerance, const State& state) {
   Comparison result;
   result.failure = mismatch(reference, actual);
-  if (result.failure.empty()) result.failure = notFinite(reference, "reference");
-  if (result.failure.empty()) result.failure = notFinite(actual, "computed");
+  if (result.failure.empty()) result.failure = notFinite(reference, "reference", state);
+  if (result.failure.empty()) result.failure = notFinite(actual, "computed", state);
   if (!result.failure.empty()) return result;
 
-  const Scales scale(reference);
-  for (std::size_t i = 0; i < reference.size(); ++i) {
-    const StateFrame &r = reference[i], &a = actual[i];
-    const Worst x = worstOf(r.x, a.x), v = worstOf(r.v, a.v);
-    const double x_max = x.difference / scale.length, v_max = v.difference / scale.velocity;
-    const double x_l2 = std::sqrt(x.sum_of_squares) / normAboutCentre(r.x, scale.length);
-    const double v_l2 = std::sqrt(v.sum_of_squares / double(r.v.size())) / scale.velocity;
-    result.position_error = std::max(result.position_error, x_max);
-    result.position_l2_error = std::max(result.position_l2_error, x_l2);
-    result.velocity_error = std::max(result.velocity_error, v_max);
-    result.velocity_l2_error = std::max(result.velocity_l2_error, v_l2);
-    if (!result.failure.empty()) continue;
-    if (!(std::max(x_max, x_l2) <= tolerance))
-      result.failure = describe("position", std::max(x_max, x_l2), tolerance, r, x, r.x, a.x);
-    else if (!(std::max(v_max, v_l2) <= tolerance))
-      result.failure = describe("velocity", std::max(v_max, v_l2), tolerance, r, v, r.v, a.v);
-  }
+  const OneKind kinds[] = {{RowKind::place, state, reference}, {RowKind::turn, state, reference}, {RowKind::value, state, reference}};
+  for (std::size_t i = 0; i < reference.size(); ++i)
+    for (const OneKind& rows : kinds) compareRows(rows, reference[i], actual[i], tolerance, result);
   result.passed = result.failure.empty();
   return result;
 }

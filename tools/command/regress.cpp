@@ -36,7 +36,8 @@ const Manual regress_manual{
     "three\ninstants between and the last. A case fails when a node differs by more than the tolerance times the size "
     "of "
     "the body, when\nthe relative L2 error exceeds the tolerance, at a number that is not finite, a missing reference, "
-    "another size, name or time.\nLIST: the folder of the references on the first line, then lines `SCENE STEPS "
+    "another size, name or time.\nOrientations are compared apart, by their angle in radians, and so are numbers, by their range.\n"
+    "LIST: the folder of the references on the first line, then lines `SCENE STEPS "
     "TOLERANCE [PATH.ATTR=VALUE ...] [data=PATH.NAME[:TOLERANCE] ...]\n[unconverged]`; # starts a comment; paths are "
     "relative to the list. data: an attribute of numbers, kinetic_energy and its like, cells (how many\nthere are) or volume: "
     "compared too. A case also "
@@ -85,18 +86,6 @@ void store(const Simulation& simulation, const RegressionCase& test, Recording& 
     stored.state = state;
     stored.frames.push_back(std::move(frame));
   }
-}
-
-/// An orientation has many rotation vectors: those of `frames` become the ones nearest to those of the reference.
-std::vector<StateFrame> besideReference(const StoredState& stored, const std::vector<StateFrame>& reference) {
-  std::vector<StateFrame> frames = stored.frames;
-  for (std::size_t f = 0; f < std::min(frames.size(), reference.size()); ++f)
-    for (std::size_t i = 0; i < std::min(frames[f].x.size(), reference[f].x.size()); ++i) {
-      if (stored.state->hasPointsOnly() || stored.state->kindOf(Index(i)) != RowKind::turn) continue;
-      const Vec3& to = reference[f].x[i];
-      frames[f].x[i] = to + rotationVector(turnedBy(frames[f].x[i]) * turnedBy(to).conjugate());
-    }
-  return frames;
 }
 
 /// Runs the scene without its observers: a regression run leaves no files behind.
@@ -168,7 +157,7 @@ void compareWithReference(const RegressionCase& test, const fs::path& folder, co
       throw std::runtime_error(fmt::format("there is no reference {} (--update writes it)", (folder / file).string()));
     const std::vector<StateFrame> reference = readStateFile((folder / file).string(), stored.state);
     const Comparison& comparison = result.states[file] =
-        compare(reference, besideReference(stored, reference), test.tolerance);
+        compare(reference, stored.frames, test.tolerance, *stored.state);
     if (!comparison.passed && result.failure.empty()) result.failure = file + ": " + comparison.failure;
   }
   for (const WatchedData& data : test.data) {

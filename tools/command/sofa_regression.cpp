@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Scenes against the states that SOFA stored for them. SOFA writes at the start of a step: the last of n instants is at
 // (n - 1) h. A case passes when, at every stored instant, |x - x_ref|_2 is at most the tolerance times the largest
-// |x_ref(t) - x_ref(0)|_2. One that does not is run again from positions moved by 1e-9 of the body: where the two runs
-// differ by more than the tolerance, no other program can do better, and the case is neither passed nor failed.
+// |x_ref(t) - x_ref(0)|_2. Places, orientations (by their angles, since q and -q are the same) and numbers are judged apart,
+// each by a size of its own. A case that does not pass is run again from positions moved by 1e-9 of the body, and orientations
+// by 1e-9 rad: where the two runs differ by more than the tolerance, no other program can do better, and the case is neither
+// passed nor failed.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -13,7 +16,9 @@
 #include <nlohmann/json.hpp>
 
 #include "framework/mechanics/mapping.h"
+#include "framework/mechanics/signs.h"
 #include "framework/scene/output_file.h"
+#include "tools/command/comparison.h"
 #include "tools/command/job_limits.h"
 #include "tools/command/junit.h"
 #include "tools/command/session.h"
@@ -26,6 +31,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using Instants = std::map<double, std::vector<double>>;
+using Kinds = std::vector<RowKind>;  ///< of the rows of a state; empty: all are places
+
+RowKind kindOf(const Kinds& kinds, std::size_t row) { return row < kinds.size() ? kinds[row] : RowKind::place; }
+int numbersIn(RowKind kind) { return kind == RowKind::place ? 3 : kind == RowKind::turn ? 4 : 1; }
 
 /// The numbers that SOFA writes of a state.
 std::vector<double> numbersOf(const State& state) {
@@ -33,9 +42,7 @@ std::vector<double> numbersOf(const State& state) {
   const ConstRows rows = state.x();
   for (Index i = 0; i < state.size(); ++i) {
     const double* row = rows.data + std::size_t(i) * row_doubles;
-    const RowKind kind = state.kindOf(i);
-    const int count = kind == RowKind::place ? 3 : kind == RowKind::turn ? 4 : 1;
-    for (int c = 0; c < count; ++c) numbers.push_back(row[c]);
+    for (int c = 0; c < numbersIn(state.kindOf(i)); ++c) numbers.push_back(row[c]);
   }
   return numbers;
 }
@@ -65,27 +72,34 @@ const State& stateOf(const SofaReference& reference, const Node& root) {
   return *found;
 }
 
-/// Every place by another way, up to this share of the body's distance from the origin.
+/// Every place and number by another way, up to this share of the body's distance from the origin; orientations by angles [rad].
 void moveALittle(Simulation& simulation, double shift) {
   for (const auto& system : simulation.systems()) {
-    double size = 0;
-    for (Index i = 0; i < system->independentRows(); ++i) size = std::max(size, Vec3(system->x[i]).norm());
+    std::array<double, 3> size{};
+    const auto sizeOf = [&](RowKind kind) -> double& { return size[std::size_t(kind)]; };
     for (Index i = 0; i < system->independentRows(); ++i)
-      if (system->motion().kindOf(i) == RowKind::place)
-        system->x[i] += shift * size / 3 * Vec3((i * 7 + 3) % 5 - 2, (i * 11 + 5) % 7 - 3, (i * 13 + 4) % 5 - 2);
+      sizeOf(system->motion().kindOf(i)) = std::max(sizeOf(system->motion().kindOf(i)), Vec3(system->x[i]).norm());
+    sizeOf(RowKind::turn) = 1;
+    for (Index i = 0; i < system->independentRows(); ++i) {
+      const RowKind kind = system->motion().kindOf(i);
+      const Vec3 way = shift * sizeOf(kind) / 3 * Vec3((i * 7 + 3) % 5 - 2, (i * 11 + 5) % 7 - 3, (i * 13 + 4) % 5 - 2);
+      system->motion().advanceRow(kind == RowKind::value ? Vec3(way[1], 0, 0) : way, system->x, i);
+    }
   }
 }
 
 /// Runs as far as the references go. `shift`: how far positions are moved at the start, as a share of the body; `step`: set to
-/// the scene's.
-std::vector<Instants> run(const SofaCase& test, const std::vector<SofaReference>& references, double shift, double& step) {
+/// the scene's; `kinds`: to those of the states.
+std::vector<Instants> run(const SofaCase& test, const std::vector<SofaReference>& references, double shift, double& step,
+                          std::vector<Kinds>& kinds) {
   Session session;
   Simulation& simulation = session.load(test.scene, {{"/", "dialect", "sofa"}});
   dropWriters(simulation);
   session.followMeshChanges();
   double last = 0;
+  kinds.clear();
   for (const SofaReference& reference : references) {
-    stateOf(reference, simulation.root());  // or there is none
+    kinds.push_back(stateOf(reference, simulation.root()).row_kinds);
     last = std::max(last, reference.positions.rbegin()->first);
   }
   if (shift != 0) moveALittle(simulation, shift);
@@ -124,36 +138,93 @@ std::string earlyEnd(const SofaCase& test, const std::vector<SofaReference>& ref
   return {};
 }
 
+/// Of places, numbers and orientations, in this order.
 struct Difference {
-  double largest = 0;   ///< of a number [m]
-  double relative = 0;  ///< in L2, of the largest displacement
-  double sofa = 0;      ///< SOFA's own: the mean of all numbers over the number of points
+  std::array<double, 3> largest{};   ///< of a coordinate [m], a number, an angle [rad]
+  std::array<double, 3> relative{};  ///< in L2, of the largest displacement
+  std::array<bool, 3> is_there{};
+  double sofa = 0;                   ///< SOFA's own: the mean of all numbers over the number of points
+  double worst() const { return *std::max_element(relative.begin(), relative.end()); }
 };
+constexpr std::array<const char*, 3> kind_names = {"positions", "numbers", "orientations"};
+static_assert(int(RowKind::place) == 0 && int(RowKind::value) == 1 && int(RowKind::turn) == 2);
 
-Difference differenceOf(const Instants& reference, const Instants& actual, const std::string& name) {
-  Difference worst;
-  double size = 0, body = 0;
-  const std::vector<double>& start = reference.begin()->second;
-  for (const auto& [time, values] : reference) {
-    double sum = 0;
-    for (std::size_t i = 0; i < values.size(); ++i) sum += (values[i] - start[i]) * (values[i] - start[i]);
-    size = std::max(size, std::sqrt(sum));
+/// The numbers of one instant as rows in the form of State::position.
+std::vector<Vec3> rowsOf(const std::vector<double>& numbers, const Kinds& kinds, const std::string& name, double time) {
+  std::vector<Vec3> rows;
+  for (std::size_t at = 0; at < numbers.size();) {
+    const RowKind kind = kindOf(kinds, rows.size());
+    const std::size_t count = std::size_t(numbersIn(kind));
+    if (at + count > numbers.size()) throw std::runtime_error(fmt::format("{} has {} numbers at t = {:g}", name, numbers.size(), time));
+    const double* const from = numbers.data() + at;
+    for (std::size_t c = 0; c < count; ++c)
+      if (!std::isfinite(from[c])) throw std::runtime_error(fmt::format("{} is not finite at t = {:g}", name, time));
+    at += count;
+    if (kind == RowKind::turn) {
+      const Quaternion q(from);
+      if (!(std::abs(q.norm() - 1) < 1e-2))
+        throw std::runtime_error(fmt::format("{} at t = {:g}: the quaternion of frame {} has the length {:.4g}", name, time,
+                                             rows.size() / 2, q.norm()));
+      rows.push_back(signedRotationVector(q.normalized()));
+    } else {
+      rows.emplace_back(from[0], count > 1 ? from[1] : 0, count > 1 ? from[2] : 0);
+    }
   }
-  for (const double value : start) body += value * value;
-  size = std::max({size, 1e-9 * std::sqrt(body), 1e-300});
+  return rows;
+}
+
+/// Sums of squares of the ways from one instant to another.
+std::array<double, 3> squaresOf(const std::vector<Vec3>& from, const std::vector<Vec3>& to, const Kinds& kinds, Difference* worst) {
+  std::array<double, 3> sums{};
+  for (std::size_t i = 0; i < std::min(from.size(), to.size()); ++i) {
+    const RowKind kind = kindOf(kinds, i);
+    const std::size_t k = std::size_t(kind);
+    const Vec3 way = wayBetween(kind, from[i], to[i]);
+    sums[k] += way.squaredNorm();
+    if (worst) worst->largest[k] = std::max(worst->largest[k], kind == RowKind::turn ? way.norm() : way.cwiseAbs().maxCoeff());
+  }
+  return sums;
+}
+
+/// The largest displacement of each kind. Where nothing moves, what round-off of the numbers in a file could be.
+std::array<double, 3> sizesOf(const Instants& reference, const Kinds& kinds, const std::string& name, Difference& worst) {
+  const std::vector<Vec3> start = rowsOf(reference.begin()->second, kinds, name, reference.begin()->first);
+  std::array<double, 3> sizes{}, least{};
+  for (const auto& [time, values] : reference) {
+    const std::array<double, 3> sums = squaresOf(start, rowsOf(values, kinds, name, time), kinds, nullptr);
+    for (std::size_t k = 0; k < 3; ++k) sizes[k] = std::max(sizes[k], std::sqrt(sums[k]));
+  }
+  double body = 0, turns = 0;
+  for (const double value : reference.begin()->second) body += value * value;
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    const RowKind kind = kindOf(kinds, i);
+    worst.is_there[std::size_t(kind)] = true;
+    turns += kind == RowKind::turn;
+  }
+  constexpr double smallest = 1e-9, six_digits = 1e-3;  // with a tolerance of 1e-3: angles that six digits tell apart
+  least[0] = least[1] = std::max(smallest * std::sqrt(body), 1e-300);
+  least[2] = std::max(six_digits * std::sqrt(turns), 1e-300);
+  for (std::size_t k = 0; k < 3; ++k) sizes[k] = std::max(sizes[k], least[k]);
+  return sizes;
+}
+
+Difference differenceOf(const Instants& reference, const Instants& actual, const Kinds& kinds, const std::string& name) {
   for (const auto& [time, values] : reference) {
     const auto found = actual.find(time);
     if (found == actual.end()) throw std::runtime_error(fmt::format("{} has no instant at t = {:g}", name, time));
     if (found->second.size() != values.size())
       throw std::runtime_error(fmt::format("{} has {} numbers, and its reference {}", name, found->second.size(), values.size()));
-    double squares = 0, sum = 0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const double difference = std::abs(found->second[i] - values[i]);
-      if (!std::isfinite(difference)) throw std::runtime_error(fmt::format("{} is not finite at t = {:g}", name, time));
-      squares += difference * difference, sum += difference;
-      worst.largest = std::max(worst.largest, difference);
-    }
-    worst.relative = std::max(worst.relative, std::sqrt(squares) / size);
+  }
+  Difference worst;
+  const std::string other = "the reference of " + name;
+  const std::array<double, 3> sizes = sizesOf(reference, kinds, other, worst);
+  for (const auto& [time, values] : reference) {
+    const std::vector<double>& found = actual.at(time);
+    const std::array<double, 3> sums =
+        squaresOf(rowsOf(values, kinds, other, time), rowsOf(found, kinds, name, time), kinds, &worst);
+    for (std::size_t k = 0; k < 3; ++k) worst.relative[k] = std::max(worst.relative[k], std::sqrt(sums[k]) / sizes[k]);
+    double sum = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) sum += std::abs(found[i] - values[i]);
     const auto count = double(values.size());
     worst.sofa = std::max(worst.sofa, sum / count / std::max(1., count / 3));
   }
@@ -161,15 +232,26 @@ Difference differenceOf(const Instants& reference, const Instants& actual, const
 }
 
 Difference worstOf(const std::vector<SofaReference>& references, const std::vector<Instants>& wanted,
-                   const std::vector<Instants>& actual) {
+                   const std::vector<Instants>& actual, const std::vector<Kinds>& kinds) {
   Difference worst;
   for (std::size_t r = 0; r < references.size(); ++r) {
-    const Difference one = differenceOf(wanted[r], actual[r], references[r].state);
-    worst.largest = std::max(worst.largest, one.largest);
-    worst.relative = std::max(worst.relative, one.relative);
+    const Difference one = differenceOf(wanted[r], actual[r], kinds[r], references[r].state);
+    for (std::size_t k = 0; k < 3; ++k) {
+      worst.largest[k] = std::max(worst.largest[k], one.largest[k]);
+      worst.relative[k] = std::max(worst.relative[k], one.relative[k]);
+      worst.is_there[k] |= one.is_there[k];
+    }
     worst.sofa = std::max(worst.sofa, one.sofa);
   }
   return worst;
+}
+
+Json toJson(const Difference& found) {
+  Json largest = Json::object(), relative = Json::object();
+  for (std::size_t k = 0; k < 3; ++k)
+    if (found.is_there[k]) largest[kind_names[k]] = found.largest[k], relative[kind_names[k]] = found.relative[k];
+  const double first = found.largest[found.is_there[0] ? 0 : found.is_there[1] ? 1 : 2];
+  return {{"largest", first}, {"relative", found.worst()}, {"relative_of", relative}, {"largest_of", largest}, {"sofa", found.sofa}};
 }
 
 /// In a process of its own: JSON of the verdict.
@@ -187,18 +269,18 @@ std::string judge(const SofaCase& test, double tolerance) {
       wanted.push_back(references.back().positions);
     }
     double h = 0;
-    const std::vector<Instants> actual = run(test, references, 0, h);
+    std::vector<Kinds> kinds;
+    const std::vector<Instants> actual = run(test, references, 0, h, kinds);
     if (const std::string early = earlyEnd(test, references, h); !early.empty()) result["remark"] = early;
-    const Difference found = worstOf(references, wanted, actual);
-    result["largest"] = found.largest;
-    result["relative"] = found.relative;
-    result["sofa"] = found.sofa;
+    const Difference found = worstOf(references, wanted, actual, kinds);
+    result.update(toJson(found));
     result["sofa_passes"] = found.sofa <= test.epsilon;
-    if (found.relative <= tolerance) {
+    if (found.worst() <= tolerance) {
       result["verdict"] = "passed";
     } else {
       constexpr double nothing = 1e-9;
-      const double sensitivity = worstOf(references, actual, run(test, references, nothing, h)).relative;
+      const std::vector<Instants> moved = run(test, references, nothing, h, kinds);
+      const double sensitivity = worstOf(references, actual, moved, kinds).worst();
       result["sensitivity"] = sensitivity;
       if (sensitivity > tolerance) result["verdict"] = "undecided";
     }
@@ -213,10 +295,17 @@ std::string judge(const SofaCase& test, double tolerance) {
 
 std::string sentence(const Json& result, double epsilon) {
   std::string text;
-  if (result.contains("relative"))
-    text = fmt::format("relative {:.3g}, largest {:.3g} m, SOFA's test {:.3g} of {:g} ({})", result["relative"].get<double>(),
-                       result["largest"].get<double>(), result["sofa"].get<double>(), epsilon,
+  if (result.contains("relative")) {
+    std::string parts, largest;
+    for (const auto& [kind, share] : result["relative_of"].items()) {
+      parts += fmt::format("{}{} {:.3g}", parts.empty() ? "" : ", ", kind, share.get<double>());
+      const char* const unit = kind == kind_names[0] ? " m" : kind == kind_names[2] ? " rad" : "";
+      largest += fmt::format("{}{:.3g}{}", largest.empty() ? "" : ", ", result["largest_of"][kind].get<double>(), unit);
+    }
+    text = fmt::format("relative {:.3g}{}, largest {}, SOFA's test {:.3g} of {:g} ({})", result["relative"].get<double>(),
+                       result["relative_of"].size() > 1 ? " (" + parts + ")" : "", largest, result["sofa"].get<double>(), epsilon,
                        result["sofa_passes"].get<bool>() ? "passes" : "fails");
+  }
   if (result.contains("sensitivity"))
     text += fmt::format(", a start moved by 1e-9 changes {:.3g}", result["sensitivity"].get<double>());
   for (const char* more : {"remark", "reason"})

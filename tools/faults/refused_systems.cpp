@@ -134,11 +134,11 @@ void checkStepLimits(const System& system) {
   const auto limiter = std::find_if(fields.begin(), fields.end(), [](ForceField* f) { return dynamic_cast<StepLimiter*>(f) != nullptr; });
   if (limiter == fields.end()) return;
   const std::string path = (*limiter)->path();
-  const auto* heeds = dynamic_cast<const HeedsStepLimits*>(&system.integrator());
-  if (!heeds || !heeds->heedsStepLimits())
+  const auto* heeds = dynamic_cast<const RespectsStepLimits*>(&system.integrator());
+  if (!heeds || !heeds->respectsStepLimits())
     throw ComponentError(fmt::format("{} moves bodies without asking {} how far they may move before they pass through each other",
                                      system.integrator().type(), path),
-                         "an implicit integrator or statics with Newton's method", heeds ? heeds->howToHeedStepLimits() : "");
+                         "an implicit integrator or statics with Newton's method", heeds ? heeds->howToRespectStepLimits() : "");
   if (!system.actors().position_constraints.empty())
     throw ComponentError(fmt::format("{} moves positions after the step, where {} cannot prevent penetration",
                                      system.actors().position_constraints.front()->path(), path),

@@ -48,7 +48,7 @@ void takeRow(const State& state, Index i, bool of_positions, ConstRows given, Ro
     if (!(std::abs(norm2 - 1) < 1e-6))
       throw ComponentError(fmt::format("the orientation in row {} of {} has the length {:g}", i, state.path(), std::sqrt(norm2)),
                            "a unit quaternion x y z w");
-    const double factor = (row[3] < 0 ? -1 : 1) / (std::abs(norm2 - 1) > 1e-12 ? std::sqrt(norm2) : 1);
+    const double factor = 1 / (std::abs(norm2 - 1) > 1e-12 ? std::sqrt(norm2) : 1);
     for (double& number : row) number *= factor;
   }
   copyRow(row, out, state.firstRow() + i);

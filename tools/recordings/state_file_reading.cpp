@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "framework/mechanics/frames.h"
+#include "framework/mechanics/signs.h"
 #include "framework/scene/text.h"
 #include "framework/simulation/state_file.h"
 #include "tools/recordings/state_file_marks.h"
@@ -209,7 +209,7 @@ class StateReader {
       if (numbers == 4 && !(std::abs(values.norm() - 1) < 1e-3))
         complain(
             fmt::format("row {} is no orientation: its quaternion has the length {:.4g}", rows.size(), values.norm()));
-      rows.push_back(numbers == 4 ? rotationVector(Quaternion(values.normalized())) : Vec3(values.head<3>()));
+      rows.push_back(numbers == 4 ? signedRotationVector(Quaternion(values.normalized())) : Vec3(values.head<3>()));
     }
   }
 

@@ -28,7 +28,7 @@ double ImplicitStep::longestStep(ConstRows d) {
   });
 }
 
-bool ImplicitStep::movesOn() {
+bool ImplicitStep::updatesLagged() {
   turns_ = true;  // what is solved again is nearer to its end
   return carries() || limits_.solvesAgain();
 }
@@ -37,7 +37,7 @@ bool ImplicitStep::movesOn() {
 bool ImplicitStep::addPush(Rows residual) {
   System& s = *system_;
   const Rows push = s.independent(right_side_);
-  if (limits_.hasWay())
+  if (limits_.hasRemainingMotion())
     limits_.push(right_side_), scale(scheme_.weight, push);
   else
     clear(push);
@@ -53,7 +53,7 @@ bool ImplicitStep::addPush(Rows residual) {
   return largest(push) > 0;
 }
 
-bool ImplicitStep::goAlong(Rows d, bool wholly) {
+bool ImplicitStep::advanceRemainingMotion(Rows d, bool wholly) {
   if (lack_ > 0) axpy(lack_ / scheme_.displacement, carried_, d);
   copy(v(), work_);
   const auto goTo = [&](double s, RowRange rows) {
@@ -69,7 +69,7 @@ bool ImplicitStep::goAlong(Rows d, bool wholly) {
   const double part = limits_.bends() ? longest() : limits_.longest(d, h, true, true);
   if (wholly && part < 1) return false;
   goTo(part, {0, d.count});
-  limits_.goAlong(part);
+  limits_.advanceRemainingMotion(part);
   carries_ += lack_ > 0;
   lack_ = part == 1 ? 0 : lack_ * (1 - part);
   return true;
@@ -99,7 +99,7 @@ void ImplicitStep::addTurning(bool on) {
 }
 
 /// Pressure that turns may make the tangent indefinite, far from equilibrium more than needed.
-void ImplicitStep::takeSureTangent() {
+void ImplicitStep::excludeUnstableDirections() {
   turns_ = false;
   addTurning(false);
   system_->matrix().valuesChanged();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // With m the middle of a point's chord a rigid motion has x1 - x0 = p + q x m for all points, where q = 2 tan(|w|/2) w/|w|.
-#include "components/contact/rigid_ways.h"
+#include "components/contact/rigid_paths.h"
 
 #include <Eigen/Dense>
 
@@ -12,7 +12,7 @@
 
 namespace stroma::contact {
 
-void RigidWays::compile(const Surfaces& surfaces, const std::vector<State*>& bodies) {
+void RigidPaths::compile(const Surfaces& surfaces, const std::vector<State*>& bodies) {
   frames_.clear();
   std::vector<Mapping*> mappings;
   bodies.front()->node().root().collect(mappings);
@@ -27,7 +27,7 @@ void RigidWays::compile(const Surfaces& surfaces, const std::vector<State*>& bod
   }
 }
 
-void RigidWays::find(const std::vector<Vec3>& start, const std::vector<Vec3>& x, ConstRows rows) {
+void RigidPaths::find(const std::vector<Vec3>& start, const std::vector<Vec3>& x, ConstRows rows) {
   ways_.resize(x.size());
   for (std::size_t v = 0; v < x.size(); ++v) ways_[v] = x[v] - start[v];
   turns_ = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "components/contact/kept_ways.h"
+#include "components/contact/motion_bounds.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace stroma::contact {
 
-void KeptWays::measure(const Surfaces& surfaces, const std::vector<Vec3>& start, const std::vector<Vec3>& x) {
+void MotionBounds::measure(const Surfaces& surfaces, const std::vector<Vec3>& start, const std::vector<Vec3>& x) {
   if (start.size() != x.size() || surfaces.areBodiesAt(x, start)) return;
   travel_ = 0, travels_.assign(surfaces.bodies().size(), 0);
   for (std::size_t v = 0; v < x.size(); ++v) {
@@ -19,7 +19,7 @@ void KeptWays::measure(const Surfaces& surfaces, const std::vector<Vec3>& start,
 }
 
 /// Of a body no less than conditions are made for (KeptGaps::addPairs()).
-void KeptWays::find(const BarrierLaw& law, const std::vector<State*>& states, double dt, const Vec3& of_obstacles) {
+void MotionBounds::find(const BarrierLaw& law, const std::vector<State*>& states, double dt, const Vec3& of_obstacles) {
   const Surfaces& s = law.surfaces;
   double most = 0;
   of_bodies_.resize(s.bodies().size());
@@ -40,7 +40,7 @@ void KeptWays::find(const BarrierLaw& law, const std::vector<State*>& states, do
   way_ = std::max({2 * travel_, 2 * most, of_edge * lengthOf(law)});
 }
 
-void KeptWays::expect(const BarrierLaw& law, const std::vector<State*>& states, double dt, const Vec3& of_obstacles,
+void MotionBounds::expect(const BarrierLaw& law, const std::vector<State*>& states, double dt, const Vec3& of_obstacles,
                       const std::vector<Vec3>& start, const std::vector<Vec3>& x) {
   const Surfaces& s = law.surfaces;
   expected_.last.assign(x.size(), of_obstacles), expected_.straight.assign(x.size(), of_obstacles);
@@ -53,7 +53,7 @@ void KeptWays::expect(const BarrierLaw& law, const std::vector<State*>& states, 
   expected_.other = 2 * of_edge * lengthOf(law);
 }
 
-void KeptWays::serialize(Archive& archive) {
+void MotionBounds::serialize(Archive& archive) {
   archive.value("travel", travel_);
   archive.list("travels", travels_);
   archive.value("way", way_);

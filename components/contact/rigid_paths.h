@@ -13,7 +13,7 @@
 
 namespace stroma::contact {
 
-class RigidWays {
+class RigidPaths {
  public:
   void compile(const Surfaces& surfaces, const std::vector<State*>& bodies);
   /// Vertices have come from `start` to x; rows: positions of all rows.

@@ -13,7 +13,7 @@ class State;
 
 namespace stroma::contact {
 
-class KeptWays {
+class MotionBounds {
  public:
   static constexpr double of_edge = 0.125;  ///< pairs are searched at least this far, as a fraction of lengthOf()
   /// The mean edge; for single points, which are spheres, the thickness or contactDistance.
@@ -32,7 +32,7 @@ class KeptWays {
   bool wasExceeded() const { return travel_ > 2 * way_; }
   double longest() const { return way_; }                              ///< the largest of all bodies, without obstacles [m]
   const std::vector<double>& ofBodies() const { return of_bodies_; }  ///< [m]
-  const ExpectedWays& expected() const { return expected_; }
+  const ExpectedMotion& expected() const { return expected_; }
   void reset() { travel_ = way_ = 0, travels_.clear(); }
   void serialize(Archive& archive);
 
@@ -41,7 +41,7 @@ class KeptWays {
   double way_ = 0;
   std::vector<double> travels_;      ///< per body: the largest motion in the last step [m]
   std::vector<double> of_bodies_;
-  ExpectedWays expected_;
+  ExpectedMotion expected_;
 };
 
 }  // namespace stroma::contact

@@ -9,22 +9,22 @@
 
 namespace stroma {
 
-inline const LendsEnergy* lenderOf(const ForceField* field) {
-  const auto* lender = dynamic_cast<const LendsEnergy*>(field);
-  return lender && lender->lendsEnergy() ? lender : nullptr;
+inline const HasSolvePotential* solvePotentialOf(const ForceField* field) {
+  const auto* lender = dynamic_cast<const HasSolvePotential*>(field);
+  return lender && lender->hasSolvePotential() ? lender : nullptr;
 }
 
 /// Whether all forces have a potential within each solve.
-inline bool haveEnergyInSolves(const System& system) {
+inline bool havePotentialInSolves(const System& system) {
   const auto& fields = system.forceFields();
-  return std::all_of(fields.begin(), fields.end(), [](const ForceField* f) { return f->traits().conservative || lenderOf(f); });
+  return std::all_of(fields.begin(), fields.end(), [](const ForceField* f) { return f->traits().conservative || solvePotentialOf(f); });
 }
 
 /// The part that is not in the energy() of any field, at the system's x [J].
-inline double lentEnergy(const System& system) {
+inline double solvePotential(const System& system) {
   double sum = 0;
   for (const ForceField* field : system.forceFields())
-    if (const LendsEnergy* lender = lenderOf(field)) sum += lender->lentEnergy(system.mappingChain().positions(system.x));
+    if (const HasSolvePotential* lender = solvePotentialOf(field)) sum += lender->solvePotential(system.mappingChain().positions(system.x));
   return sum;
 }
 
