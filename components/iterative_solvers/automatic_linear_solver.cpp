@@ -148,7 +148,7 @@ AutomaticLinearSolver::Kept& AutomaticLinearSolver::keptFor(SystemMatrix& matrix
 void AutomaticLinearSolver::chooseFor(SystemMatrix& matrix, Kept& kept) {
   kept.symmetric = matrix.symmetric();
   const Index most = direct_ ? direct_->mostRows() : std::numeric_limits<Index>::max();
-  kept.now = chooseFirst(matrix, most, matrixDependsOnState(node().root()), kept.costs, kept.reason);
+  kept.now = chooseFirst(matrix, node().root(), most, kept.costs, kept.reason);
   if (kept.now.way == Way::factors) factors();
   tellChoice(kept);
 }

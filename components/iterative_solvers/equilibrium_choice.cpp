@@ -6,16 +6,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "components/iterative_solvers/mixed_solve.h"
+#include "components/iterative_solvers/krylov_solver.h"
 #include "components/iterative_solvers/scene_volumes.h"
 
 namespace stroma {
 namespace {
 
 constexpr int usual_solves = 6;         // by Newton's method
+constexpr std::string_view outlook = "; or GMRES for displacements and pressures, which values of the matrix decide";
 
 /// Whether the laws of factors might choose wrongly.
 bool isClose(const SolverCosts& by_law) {
@@ -25,12 +27,12 @@ bool isClose(const SolverCosts& by_law) {
 
 }  // namespace
 
-EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool depends_on_state, SolverCosts& costs,
-                              std::string& reason) {
+EquilibriumChoice chooseFirst(SystemMatrix& matrix, const Node& root, Index most_factored, SolverCosts& costs, std::string& reason) {
   EquilibriumChoice choice{.way = EquilibriumChoice::Way::factors};
   const Index rows = matrix.rows();
   reason = fmt::format("{} nodes are few", rows);
   if (rows < EquilibriumChoice::always_factored) return choice;
+  const bool depends_on_state = matrixDependsOnState(root);
   const Extents extents = extentsOf(rows, matrix.positions());
   const auto costsOf = [&](const FactorCounts& counts) {
     return solverCosts(matrix, counts, depends_on_state ? usual_solves : 1);
@@ -42,6 +44,9 @@ EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool de
   reason = fmt::format("{} nodes, {:.0f} x {:.0f} x {:.0f}, estimated {:.2g} s with factors of {:.2g} GB, {:.2g} s with multigrid",
                        rows, extents.length, extents.width, extents.height, costs.direct, 8e-9 * costs.factor_entries,
                        costs.multigrid);
+  const VolumeTerms likely = likelyVolumesOf(matrix, root);
+  if (likely.count() > 0 && secondsWithPressures(matrix, likely, depends_on_state ? usual_solves : 1, depends_on_state) < costs.direct)
+    reason += outlook;
   if (costs.multigrid >= costs.direct && rows <= most_factored) return choice;
   choice.way = EquilibriumChoice::Way::multigrid;
   choice.patience = costs.patience();
@@ -51,10 +56,11 @@ EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool de
 
 void considerPressures(SystemMatrix& matrix, const Node& root, bool depends_on_state, const SolverCosts& costs, EquilibriumChoice& choice,
                        std::string& reason) {
+  if (reason.ends_with(outlook)) reason.resize(reason.size() - outlook.size());
   if (matrix.rows() < EquilibriumChoice::always_factored) return;
   const VolumeTerms volumes = stiffVolumesOf(matrix, root);
   if (volumes.count() == 0) return;
-  const double mixed = MixedSolve::seconds(matrix, volumes, depends_on_state ? usual_solves : 1, depends_on_state);
+  const double mixed = secondsWithPressures(matrix, volumes, depends_on_state ? usual_solves : 1, depends_on_state);
   choice.is_mixed = mixed < costs.direct;  // from 9,000 nodes on patches take more in any case
   reason += fmt::format(", {:.2g} s with pressures", mixed);
 }

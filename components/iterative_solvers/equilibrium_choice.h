@@ -91,8 +91,9 @@ struct EquilibriumChoice {
 };
 
 /// The first choice for a matrix, by estimates from its counts; `costs` are theirs, `reason` says them in words. Factors are for
-/// `most_factored` rows at most, and serve later matrices only where these change with the state.
-EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool depends_on_state, SolverCosts& costs, std::string& reason);
+/// `most_factored` rows at most, and serve later matrices only where these change with the state. Pressures are only named: they need the
+/// values of the matrix.
+EquilibriumChoice chooseFirst(SystemMatrix& matrix, const Node& root, Index most_factored, SolverCosts& costs, std::string& reason);
 
 /// Whether pressures are to be unknowns too, see mixed_solve.h and stiffVolumesOf().
 void considerPressures(SystemMatrix& matrix, const Node& root, bool depends_on_state, const SolverCosts& costs, EquilibriumChoice& choice,

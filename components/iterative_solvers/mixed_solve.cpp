@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "components/iterative_solvers/solver_costs.h"
-
 namespace stroma {
 namespace {
 
@@ -206,27 +204,6 @@ struct MixedSolve::Pressures final : SystemMatrix {
 
 MixedSolve::MixedSolve() = default;
 MixedSolve::~MixedSolve() = default;
-
-double MixedSolve::seconds(SystemMatrix& matrix, const VolumeTerms& terms, int solves, bool loose) {
-  constexpr double nanosecond = 1e-9, to_tolerance = 30, to_a_digit = 13;
-  constexpr double each_row = 260;     // of an iteration: products with B, and with the vectors before
-  constexpr double making_block = 60;  // of X, and of what is subtracted from K
-  constexpr double few_nodes = 12;     // of a volume; with more, separators of X are twice as thick
-  const BlockMatrix& pattern = matrix.pattern();
-  const double rows = pattern.rows(), blocks = pattern.blocks(), pressure_rows = std::ceil(terms.count() / 3.);
-  Extents extents = extentsOf(matrix.rows(), matrix.positions());
-  const double finer = std::cbrt(pressure_rows / rows);
-  extents = {extents.length * finer, extents.width * finer, extents.height * finer};
-  FactorCounts counts = factorCountsOf(extents);
-  if (double(terms.rows.size()) > few_nodes * terms.count()) counts.entries *= 4, counts.flops *= 8;
-  const FactorCosts factors = factorCosts(pressure_rows, 27 * pressure_rows, counts, true);
-  if (!factorsFit(factors.entries)) return std::numeric_limits<double>::infinity();
-  const double made = IterationCosts::assembly(matrix) + IterationCosts::hierarchy(rows, blocks) + making_block * blocks + factors.factor;
-  const double iteration = IterationCosts::cycle(rows, blocks) + 2 * BlockMatrix::productCost(blocks, false) + 2 * factors.application +
-                           each_row * rows;
-  const double first = factors.order + IterationCosts::room(factors.entries);
-  return nanosecond * (first + solves * (made + (loose ? to_a_digit : to_tolerance) * iteration));
-}
 
 void MixedSolve::reset() {
   key_ = {}, volumes_.reset(), hierarchy_.reset();

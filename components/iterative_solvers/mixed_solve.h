@@ -79,8 +79,6 @@ class MixedSolve {
   MixedSolve();
   ~MixedSolve();
   static constexpr int most_iterations = 150;  ///< of a solve: cubes take 30, and one that takes more hardly ends
-  /// Seconds for so many solves with a matrix each, in the sense of SolverCosts. `loose`: Newton's method asks for a digit.
-  static double seconds(SystemMatrix& matrix, const VolumeTerms& terms, int solves, bool loose);
   /// Brings everything up to date with the matrix. False: the report says why.
   bool follow(SystemMatrix& matrix, const VolumeTerms& terms, DirectSolver& factors, SolveReport& report, StopToken stop);
   bool isOf(const SystemMatrix& matrix) const { return factors_ && key_ == matrix.key(); }

@@ -2,8 +2,11 @@
 #include "components/iterative_solvers/scene_volumes.h"
 
 #include <Eigen/Eigenvalues>
+#include <cmath>
+#include <limits>
 #include <vector>
 
+#include "components/iterative_solvers/solver_costs.h"
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/mapping.h"
 #include "framework/scene/node.h"
@@ -85,6 +88,33 @@ VolumeTerms stiffVolumesOf(SystemMatrix& matrix, const Node& root) {
   for (std::size_t e = 0; e < terms.rows.size(); ++e)
     terms.gradients[e] = (free[std::size_t(terms.rows[e])] * terms.gradients[e]).eval();
   return areThoseOf(matrix, terms, free) ? terms : VolumeTerms{};
+}
+
+VolumeTerms likelyVolumesOf(SystemMatrix& matrix, const Node& root) {
+  if (!matrix.symmetric() || !matrix.isOfLooseNodes()) return {};
+  VolumeTerms terms = termsOf(matrix, root);
+  return areStiff(terms) ? terms : VolumeTerms{};
+}
+
+double secondsWithPressures(SystemMatrix& matrix, const VolumeTerms& terms, int solves, bool loose) {
+  constexpr double nanosecond = 1e-9, to_tolerance = 30, to_a_digit = 13;
+  constexpr double each_row = 260;     // of an iteration: products with B, and with the vectors before
+  constexpr double making_block = 60;  // of X, and of what is subtracted from K
+  constexpr double few_nodes = 12;     // of a volume; with more, separators of X are twice as thick
+  const BlockMatrix& pattern = matrix.pattern();
+  const double rows = pattern.rows(), blocks = pattern.blocks(), pressure_rows = std::ceil(terms.count() / 3.);
+  Extents extents = extentsOf(matrix.rows(), matrix.positions());
+  const double finer = std::cbrt(pressure_rows / rows);
+  extents = {extents.length * finer, extents.width * finer, extents.height * finer};
+  FactorCounts counts = factorCountsOf(extents);
+  if (double(terms.rows.size()) > few_nodes * terms.count()) counts.entries *= 4, counts.flops *= 8;
+  const FactorCosts factors = factorCosts(pressure_rows, 27 * pressure_rows, counts, true);
+  if (!factorsFit(factors.entries)) return std::numeric_limits<double>::infinity();
+  const double made = IterationCosts::assembly(matrix) + IterationCosts::hierarchy(rows, blocks) + making_block * blocks + factors.factor;
+  const double iteration = IterationCosts::cycle(rows, blocks) + 2 * BlockMatrix::productCost(blocks, false) + 2 * factors.application +
+                           each_row * rows;
+  const double first = factors.order + IterationCosts::room(factors.entries);
+  return nanosecond * (first + solves * (made + (loose ? to_a_digit : to_tolerance) * iteration));
 }
 
 }  // namespace stroma

@@ -10,5 +10,10 @@ class Node;
 /// below `root`. None unless most of them have a bulk modulus far above the shear modulus (Poisson's ratio 0.495), and where the
 /// matrix is not that of the fields: of a step in time, of mapped states, with rows that are tied to others.
 VolumeTerms stiffVolumesOf(SystemMatrix& matrix, const Node& root);
+/// Those of the force fields, for a matrix that has no values yet: whether they are in it is not looked at.
+VolumeTerms likelyVolumesOf(SystemMatrix& matrix, const Node& root);
+/// Of so many solves with displacements and pressures (MixedSolve) and a matrix each, in the sense of SolverCosts. `loose`: Newton's
+/// method asks for a digit.
+double secondsWithPressures(SystemMatrix& matrix, const VolumeTerms& terms, int solves, bool loose);
 
 }  // namespace stroma
