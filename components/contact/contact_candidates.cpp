@@ -18,7 +18,7 @@ bool has(const std::array<int, 3>& face, int vertex) {
 
 void Candidates::compile(const Surfaces& surfaces) {
   surfaces_ = &surfaces;
-  parts_ = partsOf(surfaces), strangers_ = namesOfOthers(surfaces, parts_);
+  parts_ = partsOf(surfaces), shared_ = sharedFeatures(surfaces, parts_);
   trees_.assign(parts_.size(), {});
   boxes_.assign(parts_.size(), {});
   is_fit_.assign(parts_.size(), false);
@@ -199,7 +199,7 @@ void Candidates::search(int number, const std::vector<Vec3>& x, double margin) {
   });
   // what belongs to triangles of other parts comes last: most of it is farther than the nearest of those
   for (const auto& [f, g] : face_pairs_[std::size_t(number)])
-    meeting.clear = leastApart(*surfaces_, f, strangers_[std::size_t(f)], g, strangers_[std::size_t(g)], x, meeting.clear);
+    meeting.clear = leastApart(*surfaces_, f, shared_[std::size_t(f)], g, shared_[std::size_t(g)], x, meeting.clear);
 }
 
 /// Pairs that have been found take the place of those of the same parts. True: see needsPattern().

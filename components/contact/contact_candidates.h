@@ -174,7 +174,7 @@ class Candidates {
 
   const Surfaces* surfaces_ = nullptr;
   std::vector<SurfacePart> parts_;
-  std::vector<unsigned> strangers_;      ///< per triangle, see leastApart()
+  std::vector<unsigned> shared_;      ///< per triangle, see leastApart()
   std::vector<BoxTree> trees_;           ///< one per part
   std::vector<std::vector<Box>> boxes_;  ///< of its triangles
   std::vector<char> is_fit_;             ///< its boxes are up to date for the current query

@@ -23,7 +23,7 @@ class Outputs {
   void note(const BarrierLaw& law, const std::vector<Touch>& touches, const Friction& friction, const std::vector<Vec3>& x,
             const std::vector<State*>& bodies);
   /// The same for kept gaps with their `forces`: with `each` rows, normal and friction with the coefficient `mu` (kept_outputs.cpp).
-  /// A slide up to `tolerated` [m] is none. Returns the number of gaps that push.
+  /// `tolerated`: error of gaps [m], a thousandth of which is no slide. Returns the number of gaps that push.
   int note(const BarrierLaw& law, KeptGaps& gaps, std::span<const double> forces, std::size_t each, double mu, double tolerated,
            const std::vector<Vec3>& x, const std::vector<State*>& bodies);
   /// Records after a step whether friction has settled, and by how much (`shares`) updated surface shares would change forces.

@@ -341,8 +341,8 @@ double leastDistance(PairKind kind, const FourPoints& x) {
   return least >= 0 ? least : closestPoints(kind, x).distance();
 }
 
-double leastApart(const Surfaces& s, int f, unsigned f_strangers, int g, unsigned g_strangers, const std::vector<Vec3>& x, double least) {
-  if ((f_strangers | g_strangers) == 0) return least;
+double leastApart(const Surfaces& s, int f, unsigned f_shared, int g, unsigned g_shared, const std::vector<Vec3>& x, double least) {
+  if ((f_shared | g_shared) == 0) return least;
   const auto &p = s.faces[std::size_t(f)], &q = s.faces[std::size_t(g)];
   // boxes of the whole of both and of the edges, which are compared often
   std::array<Box, 2> whole;
@@ -364,19 +364,19 @@ double leastApart(const Surfaces& s, int f, unsigned f_strangers, int g, unsigne
   for (std::size_t side = 0; side < 2; ++side) {
     const auto &one = side == 0 ? p : q, &other = side == 0 ? q : p;
     for (std::size_t i = 0; i < 3; ++i)
-      if (const Vec3& at = x[std::size_t(one[i])]; ((side == 0 ? f_strangers : g_strangers) >> i & 1) && !isOf(one[i], other))
+      if (const Vec3& at = x[std::size_t(one[i])]; ((side == 0 ? f_shared : g_shared) >> i & 1) && !isOf(one[i], other))
         look(PairKind::point_triangle, {at, at}, whole[1 - side], {one[i], other[0], other[1], other[2]});
   }
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) {
       const int a = p[i], b = p[(i + 1) % 3], c = q[j], d = q[(j + 1) % 3];
-      if (((f_strangers >> (3 + i) | g_strangers >> (3 + j)) & 1) && a != c && a != d && b != c && b != d)
+      if (((f_shared >> (3 + i) | g_shared >> (3 + j)) & 1) && a != c && a != d && b != c && b != d)
         look(PairKind::edge_edge, edges[0][i], edges[1][j], {a, b, c, d});
     }
   return least;
 }
 
-std::vector<unsigned> namesOfOthers(const Surfaces& s, const std::vector<SurfacePart>& parts) {
+std::vector<unsigned> sharedFeatures(const Surfaces& s, const std::vector<SurfacePart>& parts) {
   std::vector<int> of_vertex(s.rows.size(), -1), of_edge(s.edges.size(), -1);
   for (std::size_t p = 0; p < parts.size(); ++p)
     for (const int f : parts[p].faces)

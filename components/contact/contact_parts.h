@@ -84,12 +84,12 @@ double leastOfParallel(const FourPoints& edges);
 /// closestPoints().distance(), or that bound.
 double leastDistance(PairKind kind, const FourPoints& x);
 /// The smallest distance from a corner or edge of one triangle to the part of the other that it does not share, for corners and edges
-/// that also belong to another part; at most `least` [m]. `f_strangers`, `g_strangers`: bits of such corners, then of the edges from
+/// that also belong to another part; at most `least` [m]. `f_shared`, `g_shared`: bits of such corners, then of the edges from
 /// each corner to the next. An edge can only begin to cross a triangle through a distance of 0.
-double leastApart(const Surfaces& surfaces, int f, unsigned f_strangers, int g, unsigned g_strangers, const std::vector<Vec3>& x,
+double leastApart(const Surfaces& surfaces, int f, unsigned f_shared, int g, unsigned g_shared, const std::vector<Vec3>& x,
                   double least);
 /// Per triangle: bits of the corners and edges that belong to a triangle of another part, or to none.
-std::vector<unsigned> namesOfOthers(const Surfaces& surfaces, const std::vector<SurfacePart>& parts);
+std::vector<unsigned> sharedFeatures(const Surfaces& surfaces, const std::vector<SurfacePart>& parts);
 
 /// Two parts that may meet, and the results of a search at some configuration. Distances exclude the radii of obstacles.
 struct Meeting {

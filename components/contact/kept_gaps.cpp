@@ -58,7 +58,7 @@ double allowance(const KeptGap& gap, const BarrierLaw& law, const std::vector<Ve
 }  // namespace
 
 PathCheck checkPath(const BarrierLaw& law, const Candidate& pair, double start, const FourPoints& places, const FourPoints& ways,
-                double slack) {
+                    double slack) {
   constexpr double part = 0.02, most = 0.1;
   const double moved = boundOfRelativeMotion(pair.kind, ways);
   start -= slack;

@@ -37,9 +37,10 @@ constexpr double certainly_free = 0.7;
 struct PathCheck {
   double moved = 0, free = 1;
 };
-/// Starts from `places` at distance `start`; a pair touches at a fiftieth of the gap to keep.
+/// Starts from `places` at distance `start`; a pair touches at a fiftieth of the gap to keep. `slack`: how far the true path may leave
+/// the straight one [m], which must remain free too.
 PathCheck checkPath(const BarrierLaw& law, const Candidate& pair, double start, const FourPoints& places, const FourPoints& ways,
-                double slack = 0);
+                    double slack = 0);
 
 /// Two points that are kept apart: of a pair, or of a vertex and a plane.
 struct KeptGap {

@@ -118,11 +118,11 @@ double AutomaticInverse::solveByFormer(double each, double renewal) const {
 /// not hide that. The pattern that was counted last is enough here: contact changes it in every solve, and a new one costs as much as
 /// several iterations.
 double AutomaticInverse::byJacobi(double iterations) const {
-  constexpr double halving = 2.5;  // products
   const double by_products = iterations * iteration(Way::block_jacobi);
-  const double once = matrix_->assemblyCost(), product = BlockMatrix::productCost(blocks(), true);
-  const bool assembles = once >= 0 && iterations * (matrix_->productCost() - product) > once + halving * product;
+  const double once = matrix_->assemblyCost();
+  const bool assembles = once >= 0 && BlockMatrix::pays(iterations, matrix_->productCost(), once, double(blocks()), true);
   if (now_.blocks == 0 || !assembles) return by_products;
+  const double product = BlockMatrix::productCost(blocks(), true);
   return std::min(by_products, assembly() / perMatrix() + iterations * (product + IterationCosts::vectors(rows_)));
 }
 

@@ -93,6 +93,12 @@ double BlockMatrix::productCost(double blocks, bool is_halved) {
   return blocks * (1.05 + 2.4 * std::clamp((megabytes - 9) / 30, 0., 1.));
 }
 
+bool BlockMatrix::pays(double products, double each, double assembly, double blocks, bool is_halved) {
+  constexpr double halving = 2.5;  // products
+  const double own = productCost(blocks, is_halved);
+  return products * (each - own) > assembly + (is_halved && assembly > 0 ? halving * own : 0);
+}
+
 void BlockMatrix::multiply(ConstRows x, Rows y) const {
   multiplyAll({row_start_.data(), columns_.data(), values_.data(), x.data, y.data, 1, false}, rows());
 }

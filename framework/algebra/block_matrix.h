@@ -59,6 +59,9 @@ class BlockMatrix {
   void multiply(ConstRows x, Rows y) const;
   /// Of a product with so many blocks, of which a symmetric one may read half [ns].
   static double productCost(double blocks, bool is_halved);
+  /// Whether a matrix of so many blocks, made at the cost of `assembly`, is cheaper for so many products than products of `each`
+  /// otherwise [ns]. A symmetric one is halved first, if it is new.
+  static bool pays(double products, double each, double assembly, double blocks, bool is_halved);
   /// y += factor A x
   void multiplyAdd(double factor, ConstRows x, Rows y) const;
   static bool hasFours();  ///< whether products use AVX2 here

@@ -15,6 +15,8 @@ inline constexpr const char* dialect_note = "/.dialect";
 bool isForeign(const std::string& file, const NodeDescription& root, const std::vector<Override>& overrides);
 /// Text that is not UTF-8 is read as Latin-1 in such a scene, with a warning; native scenes are not converted.
 void decodeForeign(std::string& text, const std::string& file, bool is_foreign, Diagnostics& diagnostics);
+/// The folders besides those of the environment in which such a scene looks for files.
+std::vector<std::string> foreignDataPaths(const std::string& file);
 /// Whether a known type is a prefab in such a scene if a file with that name exists.
 bool isPrefabAbroad(const std::string& type);
 /// Rewrites `scene` in place if its outermost node names the dialect; a native scene is unchanged. `no_effect` lists what was

@@ -15,8 +15,6 @@
 
 namespace stroma {
 
-std::vector<std::string> foreignDataPaths(const std::string& file);  // tools/sofa: folders that a scene in the dialect searches
-
 namespace fs = std::filesystem;
 
 namespace {

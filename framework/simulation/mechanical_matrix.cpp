@@ -239,9 +239,7 @@ bool MechanicalMatrix::prefersAssembled(int expected_products) const {
   if (assembly < 0 || expected_products * product <= assembly) return false;
   const bool is_halved = symmetric();
   const auto pays = [&](Index blocks, double more) {
-    constexpr double halving = 2.5;  // products
-    const double by_blocks = BlockMatrix::productCost(blocks, is_halved), once = assembly + more;
-    return expected_products * (product - by_blocks) > once + (is_halved && once > 0 ? halving * by_blocks : 0);
+    return BlockMatrix::pays(expected_products, product, assembly + more, double(blocks), is_halved);
   };
   const bool is_new = assembled_.blocks() < 0;
   if (is_new && (!areLocal(actors_) || !pays(assembled_.fewestBlocks(), 0))) return false;

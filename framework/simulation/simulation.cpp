@@ -23,9 +23,9 @@ namespace {
 bool startIsGood(const System& system, Diagnostics& diagnostics) {
   bool is_good = true;
   for (LagrangianConstraint* constraint : system.actors().lagrangian_constraints) {
-    auto* hears = dynamic_cast<StepListener*>(constraint);
+    auto* listener = dynamic_cast<StepListener*>(constraint);
     try {
-      if (hears) hears->stepBegins(system.mappingChain().positions(system.x), 0, 0);
+      if (listener) listener->stepBegins(system.mappingChain().positions(system.x), 0, 0);
     } catch (const ComponentError& error) {
       const auto& component = dynamic_cast<const Component&>(*constraint);
       diagnostics.error(component.where(), component.path(), error.what(), error.expected, error.suggestion);

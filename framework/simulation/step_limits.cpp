@@ -103,7 +103,7 @@ bool StepLimits::solvesAgain() {
 
 void tellStepBegins(const System& system, ConstRows x, double t, double t_end) {
   for (ForceField* field : system.forceFields())
-    if (auto* hears = dynamic_cast<StepListener*>(field)) hears->stepBegins(system.mappingChain().positions(x), t, t_end);
+    if (auto* listener = dynamic_cast<StepListener*>(field)) listener->stepBegins(system.mappingChain().positions(x), t, t_end);
   for (LagrangianConstraint* constraint : system.actors().lagrangian_constraints)
     constraint->constrainedStepBegins(system.mappingChain().positions(x), t_end);
 }

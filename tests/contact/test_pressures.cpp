@@ -307,19 +307,21 @@ TEST(Pressures, BelowASphereThatIsKeptAwayAreThoseOfHertz) {
 TEST(Pressures, NodesOfConstraintContactSayWhetherTheySlide) {
   constexpr double g = 9.81, mass = 2;
   const double c = 1 / std::sqrt(1.25), s = 0.5 * c;
-  // steps of 1e-4 s slide by less than the tolerated error of a thousandth of the gap
+  // at 8 mm/s a step of 1e-4 s slides by less than the tolerated error of a thousandth of the gap
   for (const auto& [mu, dt] : {std::pair{0.505, 0.01}, {0.49, 0.01}, {0.49, 1e-4}}) {
     SCOPED_TRACE(fmt::format("mu {} dt {}", mu, dt));
     const std::vector<double> ticks = evenly(0, 0.1, 2);
     const HexahedralMesh low = brickOf(ticks, ticks, evenly(range, range + 0.1, 2));
+    std::string speed;
+    for (int i = 0; dt < 0.01 && i < 27; ++i) speed += "0.008 0 0  ";
     Simulation simulation = simulationFromText(contactScene(
         low.topology() +
-            fmt::format("<MechanicalObject name=\"dofs\"/><UniformMass totalMass=\"{}\"/><HexahedronFEMForceField youngModulus=\"{}\" "
-                        "poissonRatio=\"0\"/><ConstraintContact name=\"contact\" contactDistance=\"{}\" friction=\"{}\" "
-                        "planes=\"0 0 1 0\"/>",
-                        mass, young, range, mu),
+            fmt::format("<MechanicalObject name=\"dofs\" velocity=\"{}\"/><UniformMass totalMass=\"{}\"/><HexahedronFEMForceField "
+                        "youngModulus=\"{}\" poissonRatio=\"0\"/><ConstraintContact name=\"contact\" contactDistance=\"{}\" "
+                        "friction=\"{}\" planes=\"0 0 1 0\"/>",
+                        speed, mass, young, range, mu),
         dt, g * Vec3(s, 0, -c), "<EulerImplicitSolver rayleighStiffness=\"0.01\"/>"));
-    for (int step = 0; step < (dt < 0.01 ? 100 : 60); ++step) expectCleanStep(simulation, step);
+    for (int step = 0; step < (dt < 0.01 ? 40 : 60); ++step) expectCleanStep(simulation, step);
     const std::vector<double> states = outputsOf(simulation, "contactStates"), gaps = outputsOf(simulation, "gaps"),
                               pressures = outputsOf(simulation, "pressures"), areas = outputsOf(simulation, "contactAreas");
     const State& state = *simulation.states().front();
@@ -330,7 +332,7 @@ TEST(Pressures, NodesOfConstraintContactSayWhetherTheySlide) {
       EXPECT_NEAR(gaps.at(i), is_below ? range : 2 * range, 1e-3 * range) << "node " << i;
       weight += pressures.at(i) * areas.at(i), area += areas.at(i);
     }
-    EXPECT_NEAR(area, 0.1 * 0.1, 1e-6) << "the lower face";
+    EXPECT_NEAR(area, 0.1 * 0.1, 1e-4) << "the lower face, which is strained a little";
     if (dt == 0.01) EXPECT_NEAR(weight, mass * g * c, 0.01 * mass * g * c);
   }
 }

@@ -120,6 +120,7 @@ def missing_pages(tree, build, site):
 # ---- in a browser ----
 
 WIDTHS, HEIGHT = (1280, 390), 300  # of the window: what is wider than it is so at any height, and less is drawn of a low one
+TOO_WIDE = 20  # seconds after which a page that is wider than its window stays so
 FEW = ["index.html", "first_scene.html", "gallery.html", "words.html", "validation.html", "benchmarks.html", "limits.html",
        "stability/force_fields.html", "experiments/truth_cube.html", "developer.html", "components/index.html",
        "components/elasticity/TetrahedronFEMForceField.html", "command.html"]
@@ -172,8 +173,11 @@ def browse(tree, site):
             for width in widths:
                 if widths[1:]:
                     browser.size(width, HEIGHT, touch=width < 600)
-                wide, window = browser.script("[document.documentElement.scrollWidth, window.innerWidth]")
-                if wide > window:
+                try:  # a page follows its window in its own time: with scripts, and what they move
+                    browser.until(lambda: browser.script("document.documentElement.scrollWidth <= window.innerWidth"), "a page within its window",
+                                  seconds=TOO_WIDE)
+                except AssertionError:
+                    wide, window = browser.script("[document.documentElement.scrollWidth, window.innerWidth]")
                     found.append(f"{page} is {wide} pixels wide in a window of {window}")
             if browser.script("[...document.images].some(i => i.complete && !i.naturalWidth)"):
                 found.append(f"{page} has a picture that does not show")

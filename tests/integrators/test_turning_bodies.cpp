@@ -224,7 +224,7 @@ TEST(TurningBodies, EachOfManyFramesTurnsByItsVelocity) {
       const Quaternion expected = Quaternion(Eigen::AngleAxisd(step * sizes[i % 12], axis)) * first;
       EXPECT_LT((now * expected.conjugate()).vec().norm(), 3e-15) << step << " of " << sizes[i % 12];
       EXPECT_NEAR(now.norm(), 1, 4e-16);
-      EXPECT_GE(now.w(), 0);
+      EXPECT_GT(now.dot(expected), 0) << "of q and -q the one that the motion leads to";
       if (i % 12 == 0) EXPECT_EQ(now.coeffs(), first.coeffs()) << "it stands still";
     }
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Chains of mappings with springs at their last level: the force on the independent nodes against the energy, and its stiffness, as a
-// product and assembled, against differences of the force. The contract of a single mapping is in test_frame_mappings.cpp.
+// product and assembled, against differences of the force. The contract of a single mapping is in test_mapping_contract.cpp.
 #include <fmt/format.h>
 
 #include <string>

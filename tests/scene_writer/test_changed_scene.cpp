@@ -218,7 +218,7 @@ std::string anotherValue(Data& data) {
   };
   const DataPointer& pointer = data.pointer();
   if (auto* const* real = std::get_if<double*>(&pointer)) return print(*real, **real == 0 ? 1e-3 : 0.9 * **real);
-  if (auto* const* whole = std::get_if<int*>(&pointer)) return print(*whole, **whole + 1);
+  if (auto* const* whole = std::get_if<int*>(&pointer)) return print(*whole, **whole + 2);  // one Newton iteration has a meaning of its own
   if (auto* const* flag = std::get_if<bool*>(&pointer)) return print(*flag, !**flag);
   if (auto* const* point = std::get_if<Vec3*>(&pointer)) return print(*point, Vec3(**point + Vec3(0.01, 0.02, 0)));
   return data.print();

@@ -564,6 +564,15 @@ SCENES = {
     "Demos/included_objects": root(
         f'<Node name="chain">{ODE}{CG}<include href="Objects/Body.xml" name="one" dx="2"/><include href="Objects/Body.xml" name="two" '
         'dx="5" color="red"/></Node>'),
+    "Demos/models_by_their_first_names": root(
+        DETECT + ANSWER + NEAR + "".join(
+            f'<Node name="{model}"><Euler/><MechanicalObject name="dofs" template="{state}"/><UniformMass totalMass="1"/>'
+            f'<MeshTopology position="{5 * i} 0 0  {5 * i + 1} 0 0  {5 * i} 1 0" edges="0 1" triangles="0 1 2"/><{model} {more}/></Node>'
+            for i, (model, state, more) in enumerate((
+                ("TriangleSetModel", "Vec3d", ""), ("TriangleMeshModel", "Vec3d", ""), ("LineSetModel", "Vec3d", ""),
+                ("LineMeshModel", "Vec3d", ""), ("PointSetModel", "Vec3d", ""), ("PointMeshModel", "Vec3d", ""),
+                ("Capsule", "Rigid3d", 'radii="0.1" heights="1"'), ("OBB", "Rigid3d", 'extents="0.1 0.1 0.1"')))) +
+        f'<Node name="last"><NewmarkImplicit/>{CG}{POINTS}<PythonController filename="none.py" classname="None"/></Node>'),
     "Demos/an_object_alone": root(
         '<MechanicalObject name="frame" template="Rigid3d" position="0 0 0 0 0 0 1"/><UniformMass totalMass="1"/><Node name="skin">'
         '<MeshOBJLoader name="loader" filename="mesh/small.obj"/><MeshTopology src="@loader"/><MechanicalObject src="@loader"/>'

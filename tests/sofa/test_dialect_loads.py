@@ -2,6 +2,7 @@
 """Loads in SOFA's dialect: pressures, planes, ellipsoids, forces over time.
 Usage: test_dialect_loads.py STROMA [WORD]."""
 import itertools
+import math
 
 import numpy as np
 
@@ -261,6 +262,10 @@ def a_force_of_the_first_step():
         x = Run(node(solver + '<MechanicalObject name="dofs" position="0 0 0  1 0 0" externalForce="0 3 0  0 0 6"/><UniformMass totalMass="4"/>'),
                 10).x()
         agree(x, [[0, 3 / 2 * 1e-4 * 10, 0], [1, 0, 6 / 2 * 1e-4 * 10]])
+    frame = Run(node(EXACT + '<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1" externalForce="0 3 0 0 0 0.4"/>'
+                     '<UniformMass vertexMass="2 1 1 0 0 0 1 0 0 0 1"/>'), 10).x(width=7)
+    half = 0.4 / 2 * 1e-4 * 10 / 2
+    agree(frame, [[0, 3 / 2 * 1e-4 * 10, 0, 0, 0, math.sin(half), math.cos(half)]])
     Run(node('<RungeKutta4Solver/><MechanicalObject position="0 0 0" externalForce="0 3 0"/><UniformMass totalMass="4"/>'), 1).fails(
         2, "externalForce")
 

@@ -308,6 +308,14 @@ def masses_that_a_mapping_does_not_map():
 
 
 @case
+def a_file_of_frames_for_points():
+    """UniformMass reads filename with Rigid only: points keep totalMass."""
+    run = Run(root(EXACT + '<MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass filename="none.rigid" totalMass="2"/>'), 10)
+    falls(run)
+    run.says("is read in SOFA for rigid frames only")
+
+
+@case
 def gravity_apart_is_told():
     run = Run(root(EXACT + '<MechanicalObject name="dofs"/><UniformMass totalMass="1" separateGravity="true"/>'), 2)
     run.says("separateGravity", "SOFA adds gravity to velocities after positions have moved")

@@ -31,6 +31,7 @@ const std::vector<TypeChange>& typeChanges() {
       {"ImplicitEuler", "EulerImplicitSolver", "24.12"},
       {"ImplicitEulerSolver", "EulerImplicitSolver", "24.12"},
       {"EulerSolver", "EulerExplicitSolver", "20.06"},
+      {"Euler", "EulerExplicitSolver", "20.06"},
       {"EulerExplicit", "EulerExplicitSolver", "20.06"},
       {"ExplicitEuler", "EulerExplicitSolver", "20.06"},
       {"ExplicitEulerSolver", "EulerExplicitSolver", "20.06"},
@@ -38,6 +39,7 @@ const std::vector<TypeChange>& typeChanges() {
       {"RungeKutta2", "RungeKutta2Solver", "24.12"},
       {"CentralDifference", "CentralDifferenceSolver", "24.12"},
       {"Static", "StaticSolver", "24.12"},
+      {"NewmarkImplicit", "NewmarkImplicitSolver", "24.12"},
       {"CGSolver", "CGLinearSolver", "24.12"},
       {"ConjugateGradient", "CGLinearSolver", "24.12"},
   };

@@ -27,6 +27,10 @@ void Rewriting::meanMass(Element& element) {
   const Element* state = element.place->nearest("mechanical state");
   const bool of_frames = state && state->text("template").starts_with("Rigid3");
   if (type == "UniformMass" && of_frames) setQuirk(element, "fixed-inertia", "turns", "false");
+  if (type == "UniformMass" && state && !of_frames && element.find("filename")) {
+    warn(element.written->where, element, "filename", "is read in SOFA for rigid frames only: it has no effect");
+    element.remove("filename");
+  }
   if (type == "UniformMass" && of_frames && total && vertex) shareMass(element, *state);
   if (type == "UniformMass" && total && vertex && !of_frames && quirks_.use("total-mass", element.path())) {
     warn(element.written->where, element, "vertexMass", "totalMass is given too and wins");

@@ -75,9 +75,10 @@ NodeDescription skinNode(const ComponentDescription& solid, const std::string& n
 }
 
 bool isCapsule(const ComponentDescription& each) {
-  return isAnyOf(each.type, {"CapsuleCollisionModel", "CapsuleModel", "TCapsuleModel", "RigidCapsuleCollisionModel", "RigidCapsuleModel"});
+  return isAnyOf(each.type, {"CapsuleCollisionModel", "CapsuleModel", "TCapsuleModel", "Capsule", "RigidCapsuleCollisionModel",
+                              "RigidCapsuleModel", "RigidCapsule"});
 }
-bool isBox(const ComponentDescription& each) { return isAnyOf(each.type, {"OBBCollisionModel", "OBBModel", "TOBBModel"}); }
+bool isBox(const ComponentDescription& each) { return isAnyOf(each.type, {"OBBCollisionModel", "OBBModel", "TOBBModel", "OBB"}); }
 bool isTrianglesMethod(const ComponentDescription& each) { return each.type == "NewProximityIntersection"; }
 bool isState(const ComponentDescription& each) { return isAnyOf(each.type, {"MechanicalObject", "MappedObject"}); }
 

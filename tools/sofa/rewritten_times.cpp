@@ -115,22 +115,24 @@ void Rewriting::takeExternalForces() {
     const std::string text = state->text("externalForce"), kind = state->text("template");
     const std::vector<double> numbers = writtenNumbers(text);
     const Element* integrator = state->place->nearest("integrator");
-    const bool is_of_points = kind.empty() || kind.starts_with("Vec3");
-    if (text.find('@') != std::string::npos || !is_of_points || !integrator || numbers.size() % 3 != 0 ||
+    const std::size_t width = kind.starts_with("Rigid3") ? 6 : 3;
+    const bool is_known = kind.empty() || kind.starts_with("Vec3") || width == 6;
+    if (text.find('@') != std::string::npos || !is_known || !integrator || numbers.size() % width != 0 ||
         integrator->written->type.starts_with("RungeKutta"))
       continue;
     const double h = timeStep();
     const std::string times = printed({0, h / 2, 3 * h / 4});
-    for (std::size_t i = 0; i + 3 <= numbers.size(); i += 3) {
-      const std::vector<double> force(numbers.begin() + std::ptrdiff_t(i), numbers.begin() + std::ptrdiff_t(i) + 3);
-      if (force == std::vector<double>(3, 0)) continue;
+    for (std::size_t node = 0; node < numbers.size() / width; ++node) {
+      const auto first = numbers.begin() + std::ptrdiff_t(node * width);
+      const std::vector<double> force(first, first + std::ptrdiff_t(width)), none(width, 0);
+      if (force == none) continue;
       const SourceLocation where = state->find("externalForce")->where;
       tree_->add(*state->place, {"LinearForceField",
-                                 {{"name", state->name + "_force_" + std::to_string(i / 3), where},
+                                 {{"name", state->name + "_force_" + std::to_string(node), where},
                                   {"mstate", SceneTree::linkTo(*state), where},
-                                  {"points", std::to_string(i / 3), where},
+                                  {"points", std::to_string(node), where},
                                   {"times", times, where},
-                                  {"forces", printed(force) + " " + printed(force) + " 0 0 0", where}},
+                                  {"forces", printed(force) + " " + printed(force) + " " + printed(none), where}},
                                  where, state->written->folder});
     }
     state->remove("externalForce");

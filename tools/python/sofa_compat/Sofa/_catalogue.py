@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What is known of types of components: Stroma's tables, and data of SOFA that scenes read though nothing here has them."""
 import functools
+import threading
 
 import numpy as np
 import stroma
@@ -141,6 +142,15 @@ def _quietly(function, *arguments):
         return None
 
 
+_making = threading.RLock()
+
+
 @functools.lru_cache(maxsize=None)
-def facts(word):
+def _made(word):
     return Facts(word)
+
+
+def facts(word):
+    """One thread at a time: the cache does not wait, and a type asked for while another thread opens its module may seem not to exist."""
+    with _making:
+        return _made(word)
