@@ -4,9 +4,8 @@ membrane, nearly incompressible hexahedra, quadratic cells, cutting, many small 
 read, but before any of them had run: none was changed because of the solver that is chosen for it. SI units."""
 import math
 
-from mixed_scenes import NOWHERE, unheld
-from solver_scenes import (EULER, STATIC, bent, body, cable, grid, held, hexas, law, loaded, moved_end, newton, numbers, quadratics,
-                           root, tets)
+from scene_parts import (EULER, NOWHERE, STATIC, bent, body, cable, grid, held, hexas, law, loaded, moved_end, newton, numbers,
+                         quadratics, root, tets, unheld)
 
 T, H = "tetrahedra", "hexahedra"
 CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))

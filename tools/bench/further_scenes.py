@@ -3,8 +3,7 @@
 been measured anew, without a look at what is chosen for them, and only measured. SI units."""
 import math
 
-from mixed_scenes import NOWHERE, unheld
-from solver_scenes import EULER, STATIC, bent, body, grid, hexas, law, moved_end, newton, quadratics, root, tets
+from scene_parts import EULER, NOWHERE, STATIC, bent, body, grid, hexas, law, moved_end, newton, quadratics, root, tets, unheld
 
 T = "tetrahedra"
 

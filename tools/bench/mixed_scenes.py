@@ -1,15 +1,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Ten scenes of solver_choice.py, the set `mixed`: kinds that none of the other sets has. They were written after the rules for
 springs in hexahedra had been mended, without a look at the estimates, and only measured. SI units."""
-from solver_scenes import EULER, STATIC, bent, body, grid, held, hexas, inside, law, moved_end, newton, quadratics, root, sheet, tets
+from scene_parts import (EULER, NOWHERE, STATIC, bent, body, grid, hexas, inside, law, moved_end, newton, quadratics, root, sheet, tets,
+                         unheld)
 
 T, H = "tetrahedra", "hexahedra"
 NEWMARK = '<NewmarkImplicitSolver name="solver"/>'
-NOWHERE = "-9 -9 -9 -8 -8 -8"
-
-
-def unheld(text):
-    return text.replace(held(NOWHERE), "")
 
 
 def tied_beams():

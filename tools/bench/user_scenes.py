@@ -4,15 +4,9 @@
 written without a look at what is chosen for them, and only measured. SI units."""
 import math
 
-from solver_scenes import EULER, STATIC, bent, body, cable, grid, held, law, newton, root, tets
+from scene_parts import EULER, NOWHERE, STATIC, bent, body, cable, grid, law, newton, root, tets, unheld
 
 T = "tetrahedra"
-NOWHERE = "-9 -9 -9 -8 -8 -8"
-
-
-def free(text):
-    """A body without what holds it."""
-    return text.replace(held(NOWHERE), "")
 
 
 def pad(name, x, path):
@@ -35,7 +29,7 @@ def ball(u, v, w):
 
 
 def gripper():
-    fruit = free(body(bent((13, 13, 13), ball), law("StableNeoHookean", 'youngModulus="2e4" poissonRatio="0.45"'), "", T, solver="",
+    fruit = unheld(body(bent((13, 13, 13), ball), law("StableNeoHookean", 'youngModulus="2e4" poissonRatio="0.45"'), "", T, solver="",
                       wall=NOWHERE))
     touch = ('<BarrierContact name="grip" mstate="@body/dofs" topology="@body/tetrahedra" other="@left/pad/dofs @right/pad/dofs" '
              'contactDistance="0.002" friction="0.6" slipVelocity="1e-3" selfContact="false"/>'
