@@ -82,6 +82,8 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices, public
   /// Of one cell [Pa], localStiffnessFactor included.
   Lame lame(std::size_t cell) const { return LameOf(constants_)(cell); }
   std::unique_ptr<ElementKernels> makeMethod(const ElasticElements& elements) const;
+  void addVolumesOfHexahedra(VolumeTerms& terms) const;
+  void addVolumesOfNodes(VolumeTerms& terms) const;
   /// The rows of this state out of the system's.
   ConstRows ownRows(ConstRows x) const;
   // ---- of cells; x starts at node 0 ----

@@ -6,8 +6,10 @@
 //
 // for each hexahedron, and for each node a between tetrahedra of one bulk modulus with V_a = sum_e V_e/4 and
 // b_i = sum_e 1/4 R_e dV_e/dX_i. B that is updated, polarOf, incompatible modes and Green's strain have others, which are left out.
+#include <algorithm>
 #include <array>
-#include <map>
+#include <tuple>
+#include <utility>
 
 #include "components/elasticity/elastic_force_field.h"
 #include "framework/fem/hexahedron.h"
@@ -71,39 +73,58 @@ double turnedVolume(const ElasticElements& elements, std::size_t cell, const std
 }  // namespace
 
 void ElasticForceField::addVolumeTerms(VolumeTerms& terms) const {
+  constexpr double worth = 20;  // K / mu; of softer cells solvers need to know nothing
   const bool has_others = update_b_ || update_volume_ || incompatible_ || polar_of_ != PolarOf::gradient;
   if (!variant_.mean_dilatation || has_others || variant_.method == ElasticMethod::green || variant_.method == ElasticMethod::nodal) return;
-  const std::vector<Vec3>& rest = state().rest_position;
-  const ConstRows own = state().x();
+  if (std::ranges::none_of(constants_, [](const Lame& each) { return each.bulk() > worth * each.mu; })) return;
+  if (elements_->kind().type == CellType::hexahedron) addVolumesOfHexahedra(terms);
+  if (elements_->kind().type == CellType::tetrahedron) addVolumesOfNodes(terms);
+}
+
+void ElasticForceField::addVolumesOfHexahedra(VolumeTerms& terms) const {
   const Index first = state().firstRow();
-  if (elements_->kind().type == CellType::hexahedron) {
-    std::array<Vec3, 8> gradients;
-    for (std::size_t cell = 0; cell < mesh_->hexahedra.size(); ++cell) {
-      const auto& corners = mesh_->hexahedra[cell];
-      const double volume = turnedVolume(*elements_, cell, corners, rest, own, gradients);
-      for (std::size_t a = 0; a < 8; ++a) terms.rows.push_back(first + corners[a]), terms.gradients.push_back(gradients[a]);
-      terms.finish(lame(cell).bulk() / volume, lame(cell).mu / volume);
+  std::array<Vec3, 8> gradients;
+  for (std::size_t cell = 0; cell < mesh_->hexahedra.size(); ++cell) {
+    const auto& corners = mesh_->hexahedra[cell];
+    const double volume = turnedVolume(*elements_, cell, corners, state().rest_position, state().x(), gradients);
+    for (std::size_t a = 0; a < 8; ++a) terms.rows.push_back(first + corners[a]), terms.gradients.push_back(gradients[a]);
+    terms.finish(lame(cell).bulk() / volume, lame(cell).mu / volume);
+  }
+}
+
+/// Tetrahedra of one bulk modulus around a node share a term.
+void ElasticForceField::addVolumesOfNodes(VolumeTerms& terms) const {
+  struct Corner {
+    Index node;  ///< whose average it is
+    double bulk;
+    std::size_t cell;
+    bool operator<(const Corner& other) const { return std::tie(node, bulk, cell) < std::tie(other.node, other.bulk, other.cell); }
+  };
+  std::vector<double> volumes(mesh_->tetrahedra.size());
+  std::vector<std::array<Vec3, 4>> gradients(volumes.size());
+  std::vector<Corner> corners;
+  for (std::size_t cell = 0; cell < volumes.size(); ++cell) {
+    volumes[cell] = turnedVolume(*elements_, cell, mesh_->tetrahedra[cell], state().rest_position, state().x(), gradients[cell]) / 4;
+    for (const Index node : mesh_->tetrahedra[cell]) corners.push_back({node, lame(cell).bulk(), cell});
+  }
+  std::sort(corners.begin(), corners.end());
+  std::vector<std::pair<Index, Vec3>> parts;
+  for (auto first = corners.begin(), end = first; first != corners.end(); first = end) {
+    double volume = 0, shear = 0;
+    parts.clear();
+    for (end = first; end != corners.end() && end->node == first->node && end->bulk == first->bulk; ++end) {
+      volume += volumes[end->cell], shear += volumes[end->cell] * lame(end->cell).mu;
+      for (std::size_t a = 0; a < 4; ++a) parts.emplace_back(mesh_->tetrahedra[end->cell][a], gradients[end->cell][a] / 4);
     }
-  } else if (elements_->kind().type == CellType::tetrahedron) {
-    struct Around {
-      double volume = 0, shear = 0, bulk = 0;
-      std::map<Index, Vec3> gradients;
-    };
-    std::map<std::pair<Index, double>, Around> nodes;
-    std::array<Vec3, 4> gradients;
-    for (std::size_t cell = 0; cell < mesh_->tetrahedra.size(); ++cell) {
-      const auto& corners = mesh_->tetrahedra[cell];
-      const double volume = turnedVolume(*elements_, cell, corners, rest, own, gradients) / 4;
-      for (const Index node : corners) {
-        Around& around = nodes[{node, lame(cell).bulk()}];
-        around.volume += volume, around.shear += volume * lame(cell).mu, around.bulk = lame(cell).bulk();
-        for (std::size_t a = 0; a < 4; ++a) around.gradients.try_emplace(corners[a], Vec3::Zero()).first->second += gradients[a] / 4;
-      }
+    std::ranges::stable_sort(parts, {}, &std::pair<Index, Vec3>::first);
+    for (const auto& [node, gradient] : parts) {
+      const Index row = state().firstRow() + node;
+      if (Index(terms.rows.size()) > terms.start.back() && terms.rows.back() == row)
+        terms.gradients.back() += gradient;
+      else
+        terms.rows.push_back(row), terms.gradients.push_back(gradient);
     }
-    for (const auto& [key, around] : nodes) {
-      for (const auto& [node, gradient] : around.gradients) terms.rows.push_back(first + node), terms.gradients.push_back(gradient);
-      terms.finish(around.bulk / around.volume, around.shear / (around.volume * around.volume));
-    }
+    terms.finish(first->bulk / volume, shear / (volume * volume));
   }
 }
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -16,8 +15,8 @@
 namespace stroma {
 namespace {
 
+constexpr Index always_factored = 500;  // nodes
 constexpr int usual_solves = 6;         // by Newton's method
-constexpr std::string_view outlook = "; or GMRES for displacements and pressures, which values of the matrix decide";
 
 /// Whether the laws of factors might choose wrongly.
 bool isClose(const SolverCosts& by_law) {
@@ -31,12 +30,11 @@ EquilibriumChoice chooseFirst(SystemMatrix& matrix, const Node& root, Index most
   EquilibriumChoice choice{.way = EquilibriumChoice::Way::factors};
   const Index rows = matrix.rows();
   reason = fmt::format("{} nodes are few", rows);
-  if (rows < EquilibriumChoice::always_factored) return choice;
+  if (rows < always_factored) return choice;
   const bool depends_on_state = matrixDependsOnState(root);
+  const int solves = depends_on_state ? usual_solves : 1;
   const Extents extents = extentsOf(rows, matrix.positions());
-  const auto costsOf = [&](const FactorCounts& counts) {
-    return solverCosts(matrix, counts, depends_on_state ? usual_solves : 1);
-  };
+  const auto costsOf = [&](const FactorCounts& counts) { return solverCosts(matrix, counts, solves); };
   costs = costsOf(factorCountsOf(extents));
   if (isClose(costs) || isWide(matrix.pattern()))
     costs = costsOf(fewest(matrix.pattern(), countFactors(matrix.pattern()), extents));
@@ -44,9 +42,12 @@ EquilibriumChoice chooseFirst(SystemMatrix& matrix, const Node& root, Index most
   reason = fmt::format("{} nodes, {:.0f} x {:.0f} x {:.0f}, estimated {:.2g} s with factors of {:.2g} GB, {:.2g} s with multigrid",
                        rows, extents.length, extents.width, extents.height, costs.direct, 8e-9 * costs.factor_entries,
                        costs.multigrid);
-  const VolumeTerms likely = likelyVolumesOf(matrix, root);
-  if (likely.count() > 0 && secondsWithPressures(matrix, likely, depends_on_state ? usual_solves : 1, depends_on_state) < costs.direct)
-    reason += outlook;
+  if (const VolumeTerms volumes = volumesOfFields(matrix, root); volumes.count() > 0) {
+    const double with_pressures = secondsWithPressures(matrix, extents, volumes.count(), double(volumes.rows.size()), solves);
+    reason += fmt::format(", {:.2g} s with pressures", with_pressures);
+    // from 9,000 nodes on multigrid with patches takes more in any case
+    if (with_pressures < costs.direct) choice.pressures = EquilibriumChoice::Pressures::expected;
+  }
   if (costs.multigrid >= costs.direct && rows <= most_factored) return choice;
   choice.way = EquilibriumChoice::Way::multigrid;
   choice.patience = costs.patience();
@@ -54,15 +55,23 @@ EquilibriumChoice chooseFirst(SystemMatrix& matrix, const Node& root, Index most
   return choice;
 }
 
-void considerPressures(SystemMatrix& matrix, const Node& root, bool depends_on_state, const SolverCosts& costs, EquilibriumChoice& choice,
-                       std::string& reason) {
-  if (reason.ends_with(outlook)) reason.resize(reason.size() - outlook.size());
-  if (matrix.rows() < EquilibriumChoice::always_factored) return;
-  const VolumeTerms volumes = stiffVolumesOf(matrix, root);
-  if (volumes.count() == 0) return;
-  const double mixed = secondsWithPressures(matrix, volumes, depends_on_state ? usual_solves : 1, depends_on_state);
-  choice.is_mixed = mixed < costs.direct;  // from 9,000 nodes on patches take more in any case
-  reason += fmt::format(", {:.2g} s with pressures", mixed);
+bool refutesPressures(SystemMatrix& matrix, const Node& root, EquilibriumChoice& choice) {
+  using Pressures = EquilibriumChoice::Pressures;
+  if (choice.pressures != Pressures::expected) return false;
+  choice.pressures = hasStiffVolumes(matrix, root) ? Pressures::unknowns : Pressures::refuted;
+  return choice.pressures == Pressures::refuted;
+}
+
+void EquilibriumChoice::givePressuresUp(const SolveReport& report) {
+  pressures = Pressures::given_up;
+  lost_with_pressures = report.iterations, left_with_pressures = report.relative_residual;
+}
+
+std::string EquilibriumChoice::ofPressures() const {
+  if (pressures == Pressures::refuted) return "; not with pressures: the matrix has other terms than its force fields";
+  if (pressures != Pressures::given_up) return {};
+  if (lost_with_pressures == 0) return "; not with pressures: the body is not stable without its resistance to changes of volume";
+  return fmt::format("; {} iterations with pressures left a residual of {:.2g}", lost_with_pressures, left_with_pressures);
 }
 
 double roundOff(const SystemMatrix& matrix, ConstRows b, ConstRows x) {
@@ -72,6 +81,11 @@ double roundOff(const SystemMatrix& matrix, ConstRows b, ConstRows x) {
   for (Index row = 0; row < x.count; ++row)
     sum += (Eigen::Map<const Mat3>(blocks.data() + 9 * std::size_t(row)).transpose() * x[row]).squaredNorm();
   return std::numeric_limits<double>::epsilon() * std::sqrt(sum) / norm(b);
+}
+
+bool isAtRoundOff(const SystemMatrix& matrix, ConstRows b, ConstRows x, double left) {
+  constexpr double little = 1e-6;
+  return left <= std::max(little, 2 * roundOff(matrix, b, x));
 }
 
 void EquilibriumChoice::noteDefinite(const SolveReport& report) {
@@ -140,8 +154,9 @@ void EquilibriumChoice::serialize(Archive& archive) {
   archive.value("strict", is_strict);
   archive.value("strict_failures", strict_failures);
   archive.value("was_definite", was_definite);
-  archive.value("asks_volumes", asks_volumes);
-  archive.value("is_mixed", is_mixed);
+  archive.value("pressures", pressures);
+  archive.value("lost_with_pressures", lost_with_pressures);
+  archive.value("left_with_pressures", left_with_pressures);
   archive.value("multigrid_rate", rate);
 }
 

@@ -6,14 +6,13 @@
 namespace stroma {
 
 class Node;
-/// The volumes that a matrix resists, with the directions that are held taken out: those it has itself, or those of the force fields
-/// below `root`. None unless most of them have a bulk modulus far above the shear modulus (Poisson's ratio 0.495), and where the
-/// matrix is not that of the fields: of a step in time, of mapped states, with rows that are tied to others.
+/// The volumes that the force fields below `root` resist, or the matrix itself says that it resists (HasVolumeTerms). None unless most of
+/// them have a bulk modulus far above the shear modulus (Poisson's ratio 0.495), and none of mapped states. Whether they are in the values
+/// of the matrix is not looked at.
+VolumeTerms volumesOfFields(SystemMatrix& matrix, const Node& root);
+/// The same with the directions that are held taken out.
 VolumeTerms stiffVolumesOf(SystemMatrix& matrix, const Node& root);
-/// Those of the force fields, for a matrix that has no values yet: whether they are in it is not looked at.
-VolumeTerms likelyVolumesOf(SystemMatrix& matrix, const Node& root);
-/// Of so many solves with displacements and pressures (MixedSolve) and a matrix each, in the sense of SolverCosts. `loose`: Newton's
-/// method asks for a digit.
-double secondsWithPressures(SystemMatrix& matrix, const VolumeTerms& terms, int solves, bool loose);
+/// Whether the values of the matrix have them: not those of a step in time, or with rows that are tied to others.
+bool hasStiffVolumes(SystemMatrix& matrix, const Node& root);
 
 }  // namespace stroma

@@ -80,10 +80,10 @@ TEST(VolumeTerms, WithoutThemTheMatrixDoesNotDependOnTheBulkModulus) {
         Case{"hexahedra", "HexahedronFEMForceField", "large", oblique}, Case{"tetrahedra", "TetrahedronFEMForceField", "small", at_rest},
         Case{"tetrahedra", "TetrahedronFEMForceField", "svd", oblique}, Case{"tetrahedra", "TetrahedronFEMForceField", "large", oblique}}) {
     double size = 0, stiff_size = 0;
-    const Eigen::MatrixXd soft = withoutVolumes(it, 0.3, size), stiff = withoutVolumes(it, 0.4999, stiff_size);
-    EXPECT_GT(stiff_size, 100 * size) << "the bulk modulus is in neither";
+    const Eigen::MatrixXd soft = withoutVolumes(it, 0.49, size), stiff = withoutVolumes(it, 0.4999, stiff_size);
+    EXPECT_GT(stiff_size, 50 * size) << "the bulk modulus is in neither";
     EXPECT_LE((soft - stiff).norm(), 1e-13 * stiff_size) << it.mesh << " " << it.method << " " << it.corner;
-    EXPECT_GT(soft.norm(), 0.1 * size);
+    EXPECT_GT(soft.norm(), 1e-3 * size);
   }
 }
 
