@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <string>
+#include <vector>
 
 #include "components/iterative_solvers/solver_costs.h"
 #include "components/iterative_solvers/warped_factor.h"
@@ -104,6 +105,9 @@ EquilibriumChoice chooseFirst(SystemMatrix& matrix, const Node& root, Index most
 
 /// Looks at the values of the first matrix where pressures are expected. True where the choice has changed.
 bool refutesPressures(SystemMatrix& matrix, const Node& root, EquilibriumChoice& choice);
+
+/// The output `estimates` of AutomaticLinearSolver. `has_patches`: a hierarchy needs them.
+std::vector<double> estimateSolves(SystemMatrix& matrix, bool has_patches);
 
 /// The |b - A x| / |b| that round-off leaves, whatever solves: that of D x, D the diagonal blocks.
 double roundOff(const SystemMatrix& matrix, ConstRows b, ConstRows x);
