@@ -26,11 +26,13 @@ SOLVERS = {
 HEXAHEDRA = '<HexahedronFEMForceField method="{method}" dilatation="mean" youngModulus="100" poissonRatio="{poisson}"/>'
 TETRAHEDRA = ('<TetrahedronSetTopologyContainer name="cells"/><Hexa2TetraTopologicalMapping input="@grid" output="@cells"/>'
               '<TetrahedronFEMForceField topology="@cells" method="{method}" dilatation="mean" youngModulus="100" poissonRatio="{poisson}"/>')
-# name: (field, method, acceleration)
+RUBBER = '<HexahedronHyperelasticityFEMForceField materialName="{method}" youngModulus="100" poissonRatio="{poisson}"/>'
+# name: (field, method or law, acceleration)
 BODIES = {
     "cube, hexahedra": (HEXAHEDRA, "small", 1),
     "cube, tetrahedra": (TETRAHEDRA, "small", 1),
-    "cube, hexahedra, large strains": (HEXAHEDRA, "svd", 3),
+    "cube, hexahedra, rotations": (HEXAHEDRA, "svd", 3),
+    "cube, hyperelastic hexahedra": (RUBBER, "StableNeoHookean", 3),
 }
 
 
