@@ -43,6 +43,9 @@ FactorCounts fewest(const BlockMatrix& pattern, const FactorCounts& counted, con
 
 /// `matrix` tells what products and an assembly cost. `solves`: how many to expect, with other values in the pattern.
 SolverCosts solverCosts(SystemMatrix& matrix, const FactorCounts& counts, int solves = 1);
+/// The seconds of as many solves by MixedSolve, of a body with these extents, `pressures` and so many `entries` in all rows of B. Infinite
+/// where the factors of the pressures would not fit.
+double secondsWithPressures(SystemMatrix& matrix, const Extents& extents, double pressures, double entries, int solves);
 
 /// Of factors that precondition, in nanoseconds.
 struct FactorCosts {
