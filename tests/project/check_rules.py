@@ -46,6 +46,7 @@ TOOLS_FOR_TOOLS = {
     "bench": {"platform"},
     "recordings": {"platform"},
     "session": {"checks", "mesh_report", "units"},
+    "scene_writer": {"session"},
     "plan": {"units"},
     "checks": {"units"},
 }
