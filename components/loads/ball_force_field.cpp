@@ -18,9 +18,9 @@
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
 //   <EulerImplicitSolver/>
 //   <CGLinearSolver iterations="50" tolerance="1e-10"/>
-//   <MechanicalObject position="0 0 0  0.3 0 0.2  1.3 0 -2.7"/>
+//   <MechanicalObject position="0 0 0  0.1 0 0.05  1.3 0 -2.7"/>
 //   <UniformMass totalMass="0.3"/>
-//   <BallForceField center="0 -1.4 0" radius="1.5" stiffness="1000" damping="2"/>
+//   <BallForceField center="0 -1.4 0" radius="1.41" stiffness="1000" damping="2"/>
 // </Node>
 #include <fmt/format.h>
 
