@@ -28,7 +28,16 @@ void Method::declare(DataTable& table) {
   } else {
     for (const char* name : {"angleCone", "coneFactor", "useLMDFilters", "filterIntersection"}) table.addVisualOnly(name);
   }
-  for (const char* name : {"maxIterations", "tolerance", "continuousCollisionType"}) table.addVisualOnly(name);
+  for (const char* name : {"maxIterations", "tolerance"}) table.addVisualOnly(name);
+  if (rule != Rule::continuous) return table.addVisualOnly("continuousCollisionType");
+  table.addChoice("continuousCollisionType", path_, {"None", "Inertia", "FreeMotion"})
+      .help("Inertia: contacts are also found on the straight paths of a step, at the velocities of its start; FreeMotion: the same, and "
+            "as far beside the paths as gravity moves in a step; None: only where a step starts");
+}
+
+double Method::pathDeviation() const {
+  const double dt = node().root().dt();
+  return path_ == Path::free_motion ? dt * dt * node().gravity().norm() : 0;
 }
 
 bool Method::meet(CollisionModel::Kind a, CollisionModel::Kind b) const {
@@ -36,6 +45,7 @@ bool Method::meet(CollisionModel::Kind a, CollisionModel::Kind b) const {
   if (a > b) std::swap(a, b);
   if (rule == Rule::discrete)
     return (a == Kind::sphere && b == Kind::sphere) || (a == Kind::line && b == Kind::triangle);
+  if (rule == Rule::continuous) return (a == Kind::line && b == Kind::line) || (a == Kind::point && b == Kind::triangle);
   if (b == Kind::sphere) return a != Kind::triangle || sphere_triangle_;
   if (a == Kind::triangle) return rule == Rule::proximity_and_triangles;
   if (b == Kind::triangle) return a == Kind::point || rule == Rule::proximity_and_triangles;

@@ -112,6 +112,11 @@ Vec3 CollisionModel::place(Index node) const {
   return state_->isBound() ? Vec3(state_->x()[row]) : state_->position[std::size_t(row)];
 }
 
+Vec3 CollisionModel::wayOf(Index at) const {
+  const Index row = at * state_->rows_per_node;
+  return node().root().dt() * (state_->isBound() ? Vec3(state_->v()[row]) : state_->velocity[std::size_t(row)]);
+}
+
 std::span<const Vec3> CollisionModel::corners(const Part& part, std::array<Vec3, 3>& out) const {
   for (int i = 0; i < part.corners; ++i) out[std::size_t(i)] = place(part.node[std::size_t(i)]);
   return {out.data(), std::size_t(part.corners)};

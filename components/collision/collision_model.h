@@ -39,6 +39,7 @@ class CollisionModel : public Component, public DrawnSolids {
   /// The boxes of all parts, in their order.
   void boxParts(std::vector<Box>& boxes, double grown = 0) const;
   Vec3 place(Index node) const;          ///< [m], of a node now; of a frame its centre
+  Vec3 wayOf(Index node) const;          ///< in a step at its velocity [m]
   std::vector<Triangle> faces() const;   ///< of its mesh: triangles, and quads as two; else the boundary of volume cells
   std::vector<Edge> edges() const;       ///< of its mesh
   bool hasTwoSides() const { return both_sides_; }
@@ -48,6 +49,8 @@ class CollisionModel : public Component, public DrawnSolids {
   bool isInGroup(int number) const;
   const std::string& response() const { return response_; }  ///< empty: that of the scene
   State& state() const { return *state_; }
+  const Topology* topology() const { return topology_.find(*this, *state_, MeshNodes::first); }  ///< null: there is none
+  bool isActive() const { return active_; }
   /// Its state moves.
   bool isMoved() const;
   bool isMoving() const { return moving_; }  ///< it may be placed elsewhere, also by a program

@@ -10,6 +10,8 @@
 //   LocalMinDistance: the same, within the cones of normals of both surfaces (normal_cones.h), for which the sides of
 //     triangles count: normals point outward;
 //   NewProximityIntersection: the first, and triangles with triangles and lines, by corners; their edges with useLineLine;
+//   CCDTightInclusionIntersection: points and triangles, lines and lines; with continuousCollisionType also those that come near on the
+//     way of a step (path_contacts.h);
 //   DiscreteIntersection: spheres that overlap, lines that cross triangles; no distance of its own.
 // Without a method the watch is that of DiscreteIntersection.
 //
@@ -63,15 +65,20 @@ class CollisionPipeline final : public Observer, public StepGuard, public Contac
         pairs_.push_back({pair, {}, {}});
         pair.b->boxParts(pairs_.back().boxes);
       }
-    found.empty() ? tellOfStrangers() : tellOfStrangersAmong(found);
-    if (method_ && method_->hasCones()) tellOfHollows(found);
-    for (Watched& each : pairs_) each.tree.build(each.boxes);
     std::vector<ContactAnswer*> answers;
     node().root().collect(answers);
     answer_ = answers.empty() ? nullptr : answers.front();
+    if (isIdle()) return pairs_.clear();
+    found.empty() ? tellOfStrangers() : tellOfStrangersAmong(found);
+    if (method_ && method_->hasCones()) tellOfHollows(found);
+    for (Watched& each : pairs_) each.tree.build(each.boxes);
+    if (!answer_ && !pairs_.empty())
+      inform("there is no CollisionResponse: the run ends where two models come nearer than their contact distance. With "
+             "response=\"BarrierContact\" bodies touch and never pass through each other");
   }
   void afterStep(const Simulation&, const StepContext&) override {}
   std::string describe() const override {
+    if (isIdle()) return "does nothing: the response is a contact of whole surfaces, which finds its contacts itself";
     return answer_ && answer_->idle().empty() ? "finds contacts for the response"
                                               : fmt::format("watches {} pairs of surfaces for contact", pairs_.size());
   }
@@ -88,6 +95,7 @@ class CollisionPipeline final : public Observer, public StepGuard, public Contac
   }
 
  private:
+  bool isIdle() const { return answer_ && answer_->leavesAllToAnother(); }
   /// Bodies whose models could meet, of kinds that do not.
   void tellOfStrangers() const {
     std::vector<CollisionModel*> models;
@@ -191,5 +199,6 @@ STROMA_COMPONENT(collision_pipeline) {
   add("MinProximityIntersection", Method::Rule::proximity);
   add("LocalMinDistance", Method::Rule::local_minimum);
   add("NewProximityIntersection", Method::Rule::proximity_and_triangles);
+  add("CCDTightInclusionIntersection", Method::Rule::continuous);
   add("DiscreteIntersection", Method::Rule::discrete);
 }

@@ -22,10 +22,13 @@
 //
 // A step that ends with conditions that do not hold is refused, unless they are off by toleratedError at most.
 //
-// Nothing hinders thin bodies that are fast from passing through each other: n then turns round. BarrierContact does not
-// let them. Bodies of several integrators that may meet move in one system, and penalties between them are implicit; SOFA
-// evaluates them once where the step starts, but for those with models that are not `simulated`. With explicitBetween they are no
-// part of the matrix here either.
+// Nothing hinders thin bodies that are fast from passing through each other: n then turns round. With response="BarrierContact" they
+// cannot: a BarrierContact of whole surfaces is then made beside this component and described by the models, and this one does nothing
+// (contact_of_surfaces.h). ConstraintContact and PenaltyContact are made in the same way.
+//
+// Bodies of several integrators that may meet move in one system, and penalties between them are implicit; SOFA evaluates them once
+// where the step starts, but for those with models that are not `simulated`. With explicitBetween they are no part of the matrix here
+// either.
 //
 // Pairs of models may have responses of their own: `rules` names them, and a model's contactResponse takes precedence. Where both models
 // have one and the two differ, `response` is used, or with `rules` that of the model that comes first in the scene. So does SOFA.
@@ -59,6 +62,7 @@
 #include <map>
 
 #include "components/collision/contact_finder.h"
+#include "components/collision/contact_of_surfaces.h"
 #include "components/collision/contact_report.h"
 #include "components/collision/push.h"
 #include "framework/mechanics/force_field.h"
@@ -97,8 +101,10 @@ class CollisionResponse final : public ForceField,
   }
   void init() override;
   std::vector<State*> states() const override { return states_; }
+  std::string missingPartner() const override { return rules_.isOfSurfaces() ? rules_.response() : std::string(); }
+  bool leavesAllToAnother() const override { return rules_.isOfSurfaces(); }
   std::string idle() const override {
-    return rules_.act() ? std::string() : fmt::format("there is no response {} here", rules_.response());
+    return rules_.act() || rules_.isOfSurfaces() ? std::string() : fmt::format("there is no response {} here", rules_.response());
   }
   ForceTraits traits() const override {
     ForceTraits traits;
@@ -150,6 +156,7 @@ class CollisionResponse final : public ForceField,
     return !pipelines.empty();
   }
   void find();
+  void describePartner();
   bool joins(const CollisionModel& a, const CollisionModel& b) const;
   std::array<Vec3, 2> tangents(const Vec3& n) const;
 
@@ -195,10 +202,26 @@ void CollisionResponse::init() {
       if (model->isMoved() && std::find(states_.begin(), states_.end(), &model->state()) == states_.end())
         states_.push_back(&model->state());
   if (states_.empty()) pairs_.clear();
+  if (rules_.isOfSurfaces()) describePartner();
+  if (!pairs_.empty() && !data().find("response")->isSet() && !data().find("rules")->isSet())
+    inform("contacts have penalties, which do not exclude penetration by fast or thin bodies. response=\"BarrierContact\" excludes it; "
+           "response=\"PenalityContactForceField\" says that penalties are meant");
   movers_.clear();
   for (const ModelPair& pair : pairs_) movers_[pair.a] = moverOf(*pair.a), movers_[pair.b] = moverOf(*pair.b);
   if (!mstate_.target() && !all.empty()) mstate_.set(states_.empty() ? all.front() : states_.front());
   ForceField::init();
+}
+
+void CollisionResponse::describePartner() {
+  for (const auto& component : node().components()) {
+    if (component->type() != rules_.response() || !component->isMadeForAnother()) continue;
+    try {
+      return describeContact(*component, *this, method_, rules_.parameters());
+    } catch (...) {
+      component->markFailed();  // one message is enough
+      throw;
+    }
+  }
 }
 
 bool CollisionResponse::joins(const CollisionModel& a, const CollisionModel& b) const {

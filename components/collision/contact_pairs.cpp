@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "components/collision/distances.h"
+#include "components/collision/path_contacts.h"
 #include "framework/collision/pair_distances.h"
 
 namespace stroma::collision {
@@ -169,9 +170,35 @@ void ContactSearch::compile(const std::vector<ModelPair>& pairs, const Method& m
   }
 }
 
+/// A point and a triangle, or two lines.
+bool ContactSearch::meetOnPath(const Surface& a, const Part& p, const Surface& b, const Part& q, double contact,
+                               std::vector<Contact>& out) const {
+  const PairKind kind = q.corners == 3 ? PairKind::point_triangle : PairKind::edge_edge;
+  FourPoints x, way;
+  for (int i = 0; i < 4; ++i) {
+    const bool is_first = i < p.corners;
+    const CollisionModel& model = is_first ? *a.model : *b.model;
+    const Index node = is_first ? p.node[std::size_t(i)] : q.node[std::size_t(i - p.corners)];
+    x[std::size_t(i)] = model.place(node), way[std::size_t(i)] = model.wayOf(node);
+  }
+  const double when = firstNear(kind, x, way, contact + method_->pathDeviation());
+  if (when > 1) return false;
+  for (std::size_t i = 0; i < 4; ++i) x[i] += when * way[i];
+  const ClosestPoints found = closestPoints(kind, x);
+  Contact on_path{a.model, b.model, {&p, {}}, {&q, {}}, Vec3::UnitX(), contact};
+  for (int i = 0; i < 4; ++i) {
+    const double weight = found.weights[std::size_t(i)];
+    i < p.corners ? on_path.a.weight[std::size_t(i)] = weight : on_path.b.weight[std::size_t(i - p.corners)] = -weight;
+  }
+  if (const double distance = found.distance(); distance > 0) on_path.normal = -found.difference / distance;
+  out.push_back(on_path);
+  return true;
+}
+
 void ContactSearch::meet(const Surface& a, const Part& p, const Surface& b, const Part& q, double alarm, double contact,
                          std::vector<Contact>& out) const {
   if (p.corners > q.corners) return meet(b, q, a, p, alarm, contact, out);
+  if (method_->followsPaths() && meetOnPath(a, p, b, q, contact, out)) return;
   std::array<Vec3, 3> places, others;
   const std::span<const Vec3> x = a.model->corners(p, places), y = b.model->corners(q, others);
   const double radii = p.radius + q.radius;
@@ -241,7 +268,7 @@ void ContactSearch::follow(Pair& pair) const {
   const Body &a = bodies_[s.body], &b = bodies_[t.body];
   const double skins = s.model->contactDistance() + t.model->contactDistance();
   const double alarm = method_->alarmDistance() + skins, contact = method_->contactDistance() + skins;
-  if (!a.is_known || !b.is_known || alarm != pair.alarm || contact != pair.contact) pair.room = -1;
+  if (method_->followsPaths() || !a.is_known || !b.is_known || alarm != pair.alarm || contact != pair.contact) pair.room = -1;
   pair.alarm = alarm, pair.contact = contact, ++pair.steps;
   if (pair.room < 0) return;
   constexpr double rounding = 4e-12;
@@ -275,7 +302,13 @@ void ContactSearch::findRoom(Pair& pair, double in_a_step) const {
 
 void ContactSearch::ready(Surface& surface) const {
   if (std::exchange(surface.is_fit, true)) return;
-  surface.model->boxParts(surface.boxes);
+  surface.model->boxParts(surface.boxes, method_->pathDeviation());
+  const std::vector<Part>& parts = surface.model->parts();
+  for (std::size_t i = 0; i < parts.size() && method_->followsPaths(); ++i)
+    for (int k = 0; k < parts[i].corners; ++k) {
+      const Index node = parts[i].node[std::size_t(k)];
+      surface.boxes[i].add(surface.model->place(node) + surface.model->wayOf(node));
+    }
   surface.tree.refit(surface.boxes);
 }
 
@@ -290,7 +323,7 @@ void ContactSearch::look(Pair& pair, std::vector<Contact>& out) {
   });
   const double in_a_step = pair.room < 0 ? 0 : pair.motion / pair.steps;
   pair.room = -1, pair.used = pair.motion = pair.steps = 0;
-  if (out.size() == before && bodies_[s.body].is_known && bodies_[t.body].is_known) findRoom(pair, in_a_step);
+  if (out.size() == before && !method_->followsPaths() && bodies_[s.body].is_known && bodies_[t.body].is_known) findRoom(pair, in_a_step);
 }
 
 void ContactSearch::find(std::vector<Contact>& out) {

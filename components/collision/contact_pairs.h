@@ -26,6 +26,9 @@ struct Contact {
 /// cones of both parts. Where the method says so, a sphere is also tested against the edges and corners of triangles, except
 /// those of a triangle, a line or a point that it touches anyway.
 ///
+/// A method that follows paths has a contact of two parts also if they come as near as the contact distance on their paths. Its points
+/// and normal are those of the moment when they do.
+///
 /// Where two models have no contact, a lower bound of the distances of their parts less the alarm distance is computed: the
 /// clearance of the pair. No distance decreases by more than the difference of their displacements since then, so that the
 /// pair is skipped until that difference reaches the clearance. The result of a search at the models' current positions is
@@ -72,6 +75,7 @@ class ContactSearch {
   /// Not two neighbours of one state.
   static bool mayMeet(const CollisionModel& a, const Part& p, const CollisionModel& b, const Part& q, double contact);
   void ready(Surface& surface) const;
+  bool meetOnPath(const Surface& a, const Part& p, const Surface& b, const Part& q, double contact, std::vector<Contact>& out) const;
   void meet(const Surface& a, const Part& p, const Surface& b, const Part& q, double alarm, double contact,
             std::vector<Contact>& out) const;
 

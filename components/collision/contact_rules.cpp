@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "components/collision/contact_of_surfaces.h"
 #include "framework/scene/node.h"
 
 namespace stroma::collision {
@@ -27,8 +28,12 @@ bool speaksOf(const std::string& word, const CollisionModel& model) {
 }  // namespace
 
 void ContactRules::declare(DataTable& table) {
-  table.add("response", response_).help("how contacts are answered: PenalityContactForceField or FrictionContactConstraint");
-  table.add("responseParams", parameters_).help("mu=... of friction; 0.8 by default");
+  table.add("response", response_)
+      .help("how contacts are answered: PenalityContactForceField or FrictionContactConstraint, contact by contact; BarrierContact (no "
+            "penetration), ConstraintContact or PenaltyContact, of whole surfaces");
+  table.add("responseParams", parameters_)
+      .help("mu=... of friction; 0.8 by default. Of a contact of whole surfaces also its attributes, as mu=0.3&stiffness=1e4, and no "
+            "friction by default");
   table.add("rules", rules_)
       .help("for pairs of models, three words each: two names, group numbers or *, and a response; the first match is used");
 }
@@ -62,12 +67,16 @@ Answer ContactRules::parsed(const std::string& word, const char* attribute) {
   const auto mark = word.find('?');
   const std::string name = word.substr(0, mark);
   if (!isKnown(name))
-    throw ComponentError(fmt::format("{} has \"{}\", which is not a response", attribute, name),
-                         fmt::format("{} or {}?mu=0.6", pushing, rubbing));
+    throw ComponentError(fmt::format("{} has \"{}\", which is not a response{}", attribute, name,
+                                     collision::isOfSurfaces(name) ? " of single contacts" : ""),
+                         fmt::format("{} or {}?mu=0.6", pushing, rubbing),
+                         collision::isOfSurfaces(name) ? fmt::format("response=\"{}\" without rules, for all contacts", name) : "");
   Answer answer;
   answer.rubs = rubs(name);
   return withParameters(answer, mark == std::string::npos ? "" : word.substr(mark + 1));
 }
+
+bool ContactRules::isOfSurfaces() const { return rules_.empty() && collision::isOfSurfaces(response_); }
 
 bool ContactRules::mayPush() const { return answers_.empty() ? !rubs(response_) : any_pushes_; }
 
@@ -87,6 +96,8 @@ void ContactRules::read(const std::vector<ModelPair>& pairs) {
   if (rules_.size() % 3 != 0)
     throw ComponentError(fmt::format("rules has {} words", rules_.size()),
                          "three for each rule, as \"* * FrictionContactConstraint\"");
+  if (!rules_.empty() && collision::isOfSurfaces(response_))
+    throw ComponentError(fmt::format("there are rules, and {} is the response of all contacts", response_), "one of both");
   for (std::size_t i = 2; i < rules_.size(); i += 3) parsed(rules_[i], "rules");
   if (rubs(response_)) withParameters({}, parameters_);
   answers_.clear();

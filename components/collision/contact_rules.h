@@ -22,6 +22,9 @@ class ContactRules {
   /// Whether there is any response, by the single default or by rules.
   bool act() const { return !rules_.empty() || isKnown(response_); }
   std::string response() const { return response_; }
+  const std::string& parameters() const { return parameters_; }
+  /// The response is a contact of whole surfaces (contact_of_surfaces.h).
+  bool isOfSurfaces() const;
   /// For these pairs. Throws ComponentError where a word is not a response.
   void read(const std::vector<ModelPair>& pairs);
   bool anyRubs() const { return any_rubs_; }

@@ -19,12 +19,13 @@
 
 namespace stroma {
 
-void CondensedBody::collect(System& system, const Integrator& integrator, const CondensationChoice& choice) {
-  system_ = &system;
+void CondensedBody::collect(System& system, const OtherBodies& others, const Integrator& integrator,
+                            const CondensationChoice& choice) {
+  system_ = &system, others_ = &others;
   refuseOtherKinds(integrator, choice.dynamic);
   sortFields(choice.dynamic);
   for (const Mass* mass : system.masses())
-    if (choice.dynamic && !mass->isDiagonal())
+    if (choice.dynamic && !mass->isDiagonal() && !others.has(*mass))
       notes_.push_back(fmt::format("the sparse matrix of {} is lumped to its sums of rows, as {} has it", mass->path(),
                                    integrator.type()));
   const Index count = system.independentRows();
@@ -37,6 +38,7 @@ void CondensedBody::collect(System& system, const Integrator& integrator, const 
   const std::vector<char> kept = keptRows(integrator, choice);
   std::vector<char> is_held(std::size_t(count), 0);
   for (const NodeProjector& held : held_) is_held[held.row] = held.projector.isZero();
+  for (Index row = 0; row < count; ++row) is_held[row] |= others.hasRow(row);
   rows_.clear();
   node_of_row_.assign(count, -1);
   for (const char wanted : {0, 1}) {
@@ -63,10 +65,10 @@ bool readsVelocity(ForceField& field, const System& system) {
 void CondensedBody::refuseOtherKinds(const Integrator& integrator, bool dynamic) {
   const System& system = *system_;
   const std::string& name = integrator.type();
-  if (!system.actors().mappings.empty())
-    throw ComponentError(fmt::format("{} takes no forces through mappings, and something acts on the nodes of {}", name,
-                                     system.actors().mappings.front()->path()),
-                         "mapped nodes that only follow");
+  for (const Mapping* mapping : system.actors().mappings)
+    if (!others_->has(mapping->output()))
+      throw ComponentError(fmt::format("{} takes no forces through mappings, and something acts on the nodes of {}", name, mapping->path()),
+                           "mapped nodes that only follow");
   if (!system.actors().position_constraints.empty())
     throw ComponentError(fmt::format("{} corrects positions, and {} has one matrix for all times",
                                      system.actors().position_constraints.front()->path(), name),
@@ -86,6 +88,7 @@ void CondensedBody::refuseOtherKinds(const Integrator& integrator, bool dynamic)
   }
   if (!dynamic) return refuseRayleighFactors(system, "statics");
   for (ForceField* field : system.forceFields()) {
+    if (others_->has(*field)) continue;
     if (field->rayleigh_stiffness != 0)
       throw ComponentError(
           fmt::format("{} has rayleighStiffness, but {} only supports damping by masses", field->path(), name),
@@ -98,6 +101,7 @@ void CondensedBody::refuseOtherKinds(const Integrator& integrator, bool dynamic)
 
 void CondensedBody::sortFields(bool dynamic) {
   for (ForceField* field : system_->forceFields()) {
+    if (others_->has(*field)) continue;
     const ForceTraits traits = field->traits();
     const auto* load = dynamic_cast<const LocalLoad*>(field);
     if (dynamic_cast<const LagrangianConstraint*>(field) && !traits.has_stiffness) continue;  // its conditions act
@@ -132,6 +136,7 @@ void CondensedBody::findHeld() {
   const double start = system_->node().root().root_time;
   std::vector<NodeProjector> found;
   for (const ProjectiveConstraint* constraint : system_->constraints().all()) {
+    if (others_->has(constraint->state())) continue;
     if (constraint->isConstant() && constraint->endTime() < 0 && !constraint->prescribesMotion()) {
       constraint->addProjectors(start, held_);
       continue;
@@ -180,7 +185,7 @@ std::vector<char> CondensedBody::keptRows(const Integrator& integrator, const Co
   if (named && !choice.condensed)
     throw ComponentError("surfaceIndices is given, and condensed=\"false\" keeps every node", "one of the two");
   const auto bodies = std::count_if(system_->states().begin(), system_->states().end(), [this](const State* state) {
-    return state->firstRow() < system_->independentRows();
+    return state->firstRow() < system_->independentRows() && !others_->has(*state);
   });
   if (named && bodies > 1)
     throw ComponentError(fmt::format("surfaceIndices names nodes of one state, and there are {}", bodies),
@@ -189,7 +194,7 @@ std::vector<char> CondensedBody::keptRows(const Integrator& integrator, const Co
   std::vector<Observer*> observers;
   system_->node().root().collect(observers);
   for (const State* state : system_->states()) {
-    if (state->firstRow() >= system_->independentRows()) continue;  // it only follows
+    if (state->firstRow() >= system_->independentRows() || others_->has(*state)) continue;
     const bool meets = std::any_of(contacts_.begin(), contacts_.end(), [&](const ForceField* field) {
       const std::vector<State*> met = field->states();
       return std::find(met.begin(), met.end(), state) != met.end();

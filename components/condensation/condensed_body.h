@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "components/condensation/other_bodies.h"
 #include "components/condensation/section_file.h"
 #include "framework/simulation/system.h"
 
@@ -20,8 +21,8 @@ struct CondensationChoice {
 /// whose motion is prescribed, few nodes whose loads change.
 class CondensedBody {
  public:
-  /// Finds what is held, inside and kept; refuses with a sentence what is not linear, or not of this kind.
-  void collect(System& system, const Integrator& integrator, const CondensationChoice& choice);
+  /// Finds what is held, inside and kept, without the other bodies; refuses with a sentence what is not linear, or not of this kind.
+  void collect(System& system, const OtherBodies& others, const Integrator& integrator, const CondensationChoice& choice);
 
   Index interior() const { return interior_; }
   Index free() const { return Index(rows_.size()); }
@@ -80,6 +81,7 @@ class CondensedBody {
   void project(Vector& force) const;
 
   System* system_ = nullptr;
+  const OtherBodies* others_ = nullptr;
   std::vector<ForceField*> stiff_, constant_, timed_, contacts_;
   std::vector<const ForceField*> dead_;  ///< follow the surface; taken at rest
   std::vector<Index> rows_, node_of_row_;

@@ -8,7 +8,8 @@
 // directions of the forces, is updated as long as nodes move by more than 1e-9 of the body, in at most 40 rounds; then it is
 // fixed for the step. From then on this is Newton's method for g(x_0 + C D^T l), and rounds end when g itself holds. C is read
 // from the stored inverse only for the nodes of the conditions, so that the cost of a round does not grow with the body. With
-// pulled nodes, along directions E, C is C - C E (E^T C E + S)^-1 E^T C.
+// pulled nodes, along directions E, C is C - C E (E^T C E + S)^-1 E^T C. Other bodies (other_bodies.h) are further nodes with a C of
+// their own, so that the forces between the two kinds are equal and opposite, and the conditions hold for both at once.
 #include "components/condensation/condensed_conditions.h"
 
 #include <fmt/format.h>
@@ -29,12 +30,13 @@ void CondensedIntegrator::compileConditions(System& system) {
   c.constraints = system.actors().lagrangian_constraints;
   if (c.constraints.empty() && body_.contacts().empty()) return;
   c.start.resize(system.allRows());
-  Vec3 low = body_.reference()[0], high = low;
+  Vec3 low = body_.reference()[body_.row(0)], high = low;
   for (Index row = 0; row < body_.reference().count(); ++row)
-    low = low.cwiseMin(Vec3(body_.reference()[row])), high = high.cwiseMax(Vec3(body_.reference()[row]));
+    if (!others_.hasRow(row))
+      low = low.cwiseMin(Vec3(body_.reference()[row])), high = high.cwiseMax(Vec3(body_.reference()[row]));
   c.extent = (high - low).norm();
   c.nodes.clear(), c.old_nodes.clear();
-  c.slot.assign(std::size_t(active_), -1), c.old_slot = c.slot;
+  c.slot.assign(std::size_t(active_ + others_.count()), -1), c.old_slot = c.slot;
   c.stored.resize(0, 0), c.old_stored.resize(0, 0);
 }
 
@@ -63,6 +65,10 @@ std::string CondensedIntegrator::findConditions(const System& system) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     double square = 0;
     for (const auto& [row, gradient] : c.rows.entriesOf(rows[i])) {
+      if (others_.hasRow(row)) {
+        square += addOther(row, gradient, c.first_entry.back());
+        continue;
+      }
       const Index free_node = body_.nodeOf(row), node = free_node - first_active_;
       if (free_node < 0) continue;  // held
       if (node < 0)
@@ -96,8 +102,10 @@ void CondensedIntegrator::readCompliance(std::size_t known) {
   for (Eigen::Index j = Eigen::Index(known); j < count; ++j)
     for (Eigen::Index i = 0; i <= j; ++i) {
       const Index a = c.nodes[std::size_t(i)], b = c.nodes[std::size_t(j)], s = c.old_slot[a], t = c.old_slot[b];
-      Mat3 block;
-      if (s >= 0 && t >= 0)
+      Mat3 block = Mat3::Zero();
+      if (a >= active_ || b >= active_) {
+        if (a >= active_ && b >= active_) block = others_.compliance(a - active_, b - active_);
+      } else if (s >= 0 && t >= 0)
         block = c.old_stored.block<3, 3>(3 * s, 3 * t);
       else
         block = a <= b ? complianceBlock(a, b) : Mat3(complianceBlock(b, a).transpose());
@@ -114,8 +122,10 @@ void CondensedIntegrator::prepareSlots(const System& system, const double* u) {
   if (!touches_.empty()) {
     Eigen::MatrixXd& at = c.touched;
     at.resize(Eigen::Index(touches_.size()), 3 * count);
+    at.setZero();
     for (Eigen::Index s = 0; s < count; ++s)
-      at.middleCols<3>(3 * s) = touch_columns_.middleRows<3>(3 * c.nodes[std::size_t(s)]).transpose();
+      if (const Index node = c.nodes[std::size_t(s)]; node < active_)
+        at.middleCols<3>(3 * s) = touch_columns_.middleRows<3>(3 * node).transpose();
     if (weights_.size() > 0) at = weights_.asDiagonal() * at;
     touch_factor_.matrixL().solveInPlace(at);
     c.c.noalias() -= at.transpose() * at;
@@ -123,6 +133,10 @@ void CondensedIntegrator::prepareSlots(const System& system, const double* u) {
   c.free.resize(3 * count), c.u.resize(3 * count);
   for (Eigen::Index s = 0; s < count; ++s) {
     const Index node = c.nodes[std::size_t(s)];
+    if (const Index k = node - active_; k >= 0) {
+      c.free.segment<3>(3 * s) = others_.turned(k, others_.free(k)), c.u.segment<3>(3 * s) = others_.now(k);
+      continue;
+    }
     c.free.segment<3>(3 * s) = Eigen::Map<const Vec3>(u + 3 * node);
     c.u.segment<3>(3 * s) = system.x[activeRow(node)] - Eigen::Map<const Vec3>(origin_.data() + 3 * node);
   }
@@ -167,6 +181,13 @@ double CondensedIntegrator::respond() {
   Eigen::VectorXd& next = c.next;
   next = c.free;
   next.noalias() += c.c * c.force;
+  for (std::size_t s = 0; s < c.nodes.size() && !others_.empty(); ++s) {
+    const Index k = c.nodes[s] - active_;
+    if (k < 0 || Eigen::Index(3 * s) >= next.size()) continue;
+    auto there = next.segment<3>(3 * Eigen::Index(s)), free = c.free.segment<3>(3 * Eigen::Index(s));
+    const Vec3 linear = there - free + others_.free(k), turned = others_.turned(k, linear);
+    there = turned, free = others_.free(k) + turned - linear;
+  }
   const double change = (next - c.u).size() > 0 ? (next - c.u).cwiseAbs().maxCoeff() : 0;
   c.u.swap(next);
   c.before.swap(next);
@@ -174,13 +195,17 @@ double CondensedIntegrator::respond() {
 }
 
 /// Positions at the u of the slots.
-void CondensedIntegrator::placeSlots(System& system) const {
+void CondensedIntegrator::placeSlots(System& system) {
   const CondensedConditions& c = conditions_;
   for (std::size_t s = 0; s < c.nodes.size(); ++s) {
     const Index node = c.nodes[s];
-    system.x[activeRow(node)] =
-        Eigen::Map<const Vec3>(origin_.data() + 3 * node) + c.u.segment<3>(3 * Eigen::Index(s));
+    if (node >= active_)
+      others_.place(system, node - active_, c.u.segment<3>(3 * Eigen::Index(s)));
+    else
+      system.x[activeRow(node)] =
+          Eigen::Map<const Vec3>(origin_.data() + 3 * node) + c.u.segment<3>(3 * Eigen::Index(s));
   }
+  if (!others_.empty()) others_.placeMapped(system);
 }
 
 bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StopToken stop, StepReport& report) {
@@ -197,7 +222,7 @@ bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StopT
   for (int round = 0; round <= most_rounds; ++round) {
     if (report.reason = findConditions(system); !report.reason.empty()) break;
     // the last round finds what the conditions have become
-    const bool stays = round > 0 && c.rows.hasGradientsOf(c.rows_before);
+    const bool stays = round > 0 && !others_.turns() && c.rows.hasGradientsOf(c.rows_before);
     if (stays) step = 0;
     const bool is_last = round == most_rounds;
     if (is_last || (round > 0 && !(step > close * size))) {
@@ -271,9 +296,14 @@ void CondensedIntegrator::giveForces() {
 void CondensedIntegrator::addForces(Array<double>& u) {
   CondensedConditions& c = conditions_;
   c.loaded.clear(), c.loads.clear();
+  std::fill(c.others.begin(), c.others.end(), Vec3::Zero());
   for (std::size_t s = 0; s < c.nodes.size() && Eigen::Index(3 * s) < c.force.size(); ++s) {
     const Vec3 force = c.force.segment<3>(3 * Eigen::Index(s));
     if (force.isZero(0)) continue;
+    if (const Index k = c.nodes[s] - active_; k >= 0) {
+      c.others[std::size_t(k)] = force;
+      continue;
+    }
     c.loaded.push_back(c.nodes[s]);
     c.loads.push_back({force[0], force[1], force[2]});
   }

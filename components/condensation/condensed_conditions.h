@@ -11,7 +11,7 @@
 namespace stroma {
 
 /// What a condensed body knows of the conditions of Lagrangian constraints on it (condensed_conditions.cpp). Nodes are
-/// active; those of the conditions have numbers of their own, slots.
+/// active; those of the conditions have numbers of their own, slots. Rows of other bodies follow as further nodes.
 struct CondensedConditions {
   struct Entry {
     Index slot;
@@ -44,6 +44,7 @@ struct CondensedConditions {
   Eigen::MatrixXd response;  ///< C D^T, shape (3 slots, rows)
   Eigen::VectorXd free, u;   ///< displacements without and with forces, shape (3 slots)
   Eigen::VectorXd force;     ///< D^T l, shape (3 slots)
+  std::vector<Vec3> others;  ///< of it that on rows of other bodies; work space
   Eigen::MatrixXd touched;   ///< what touched nodes take of C, shape (touches, 3 slots)
   Eigen::VectorXd reaction;  ///< of touched nodes, shape (touches)
   std::vector<Index> loaded;

@@ -48,23 +48,26 @@ void CondensedIntegrator::declare(DataTable& table) {
 void CondensedIntegrator::moveTouched(System& system, const StepContext& context) {
   system.setTime(context.t_end);
   const bool moves = body_.movingRows() != nullptr;
-  beginConditions(system, context, moves && !body_.constraintsAreFixed());
-  if (!moves && !hands_changed_ && hands_.empty()) return;
-  if (!moves) {
-    // nothing begins or ends
-  } else if (body_.constraintsAreFixed()) {
+  const bool begins = (moves && !body_.constraintsAreFixed()) || others_.hasConstraints();
+  beginConditions(system, context, begins);
+  if (!others_.empty()) others_.keep(system);
+  if (begins) system.beginStep(context);
+  others_fault_.clear();
+  if (!others_.empty() && !others_.begin(system, context))
+    others_fault_ = "the matrix of the rigid bodies beside the condensed ones is singular, or in statics one of them is free";
+  if (!moves && !others_.hasConstraints() && !hands_changed_ && hands_.empty()) return;
+  if (moves && !begins) {
     for (ProjectiveConstraint* constraint : system.constraints().all())
       if (constraint->prescribesMotion() && constraint->activeIn(context.t, context.t_end))
         constraint->beginMotion(context.t, system.x);
-  } else {
-    system.beginStep(context);
   }
   const bool other_moved = moves && findMoved(system), other_pulls = hands_changed_ && findHands(system);
   if (other_moved || other_pulls) compileTouches();
   if (!hands_.empty()) gatherHands(system);
-  if (!moves) return;
+  if (!moves && !others_.hasConstraints()) return;
   for (std::size_t i = 0; i < touching_.size(); ++i) touched_before_[i] = system.x[touching_[i].row];
   system.constraints().placePrescribed(context, system.x, system.v);
+  if (!others_.empty()) others_.placeMapped(system);
   for (std::size_t k = 0; k < moved_.size(); ++k) {
     const Index row = activeRow(moved_[k].node);
     wanted_[Index(k)] = moved_[k].direction.dot(system.x[row] - body_.reference()[row]);
@@ -73,6 +76,7 @@ void CondensedIntegrator::moveTouched(System& system, const StepContext& context
 
 void CondensedIntegrator::restoreTouched(System& system) {
   for (std::size_t i = 0; i < touching_.size(); ++i) system.x[touching_[i].row] = touched_before_[i];
+  if (!others_.empty()) others_.restore(system);
 }
 
 /// The directions that a projector leaves, at a node.
@@ -177,6 +181,27 @@ const Eigen::VectorXd& CondensedIntegrator::solveTouches(const double* u) {
   return reaction_;
 }
 
+// ---- other bodies ----
+
+/// Adds a gradient on a row of another body, or of a point mapped onto it, to the condition whose entries start at `first`. Returns its
+/// square, or 0 if it moves nothing.
+double CondensedIntegrator::addOther(Index row, const Vec3& gradient, std::size_t first) {
+  CondensedConditions& c = conditions_;
+  bool moves = false;
+  others_.pull(row, gradient, [&](Index k, const Vec3& along) {
+    Index& slot = c.slot[std::size_t(active_ + k)];
+    if (slot < 0) slot = Index(c.nodes.size()), c.nodes.push_back(active_ + k);
+    const auto known = std::find_if(c.entries.begin() + std::ptrdiff_t(first), c.entries.end(),
+                                    [slot](const CondensedConditions::Entry& entry) { return entry.slot == slot; });
+    if (known != c.entries.end())
+      known->gradient += along;
+    else
+      c.entries.push_back({slot, along});
+    moves = true;
+  });
+  return moves ? gradient.squaredNorm() : 0;
+}
+
 // ---- the inside ----
 
 bool CondensedIntegrator::reduceTimedInterior(double* out) {
@@ -218,7 +243,7 @@ bool CondensedIntegrator::writeActive(System& system, const double* u, const dou
   double sum = 0;
 #pragma omp simd reduction(+ : sum)
   for (std::size_t i = 0; i < count; ++i) sum += u[i] * u[i];
-  if (!std::isfinite(sum)) return false;
+  if (!std::isfinite(sum) || (!others_.empty() && !others_.finish(system, conditions_.others))) return false;
   square_ = sum;
   const double* __restrict origin = origin_.data();
   double* __restrict x = system.x.rows().data;
@@ -311,6 +336,7 @@ std::string CondensedIntegrator::describe() const {
   if (body_.movingRows()) text += "; nodes moved by position are loads through their compliance";
   if (hasConditions()) text += "; forces of constraint through the compliance of the nodes that they act on";
   if (hasContact()) text += "; contact by Newton's method on the nodes that it pushes";
+  if (!others_.empty()) text += others_.describe();
   if (range_.isEmpty())
     text += "; the range of linear elasticity is not checked: no surface of volume cells moves";
   else if (range_.watched() == 0)

@@ -15,6 +15,7 @@
 #include "components/condensation/condensed_conditions.h"
 #include "components/condensation/condensed_contact.h"
 #include "components/condensation/linear_range.h"
+#include "components/condensation/other_bodies.h"
 #include "components/condensation/partial_cholesky.h"
 #include "components/condensation/section_file.h"
 #include "framework/algebra/memory.h"
@@ -31,7 +32,7 @@ class CondensedIntegrator : public Integrator, public StateOwner, public FindsMu
   void compile(System& system) final;
   StateOwner* stateOwner() final { return this; }
   void checkInputOn(const State& state, const Input& input) const final;
-  void sceneChanged() final { hands_changed_ = true; }
+  void sceneChanged() final { hands_changed_ = true, others_.inputsChanged(); }
   bool respectsStepLimits() const final { return true; }
   void stepTaken(const StepContext& context) final;
   void complete(System& system) final;
@@ -95,8 +96,8 @@ class CondensedIntegrator : public Integrator, public StateOwner, public FindsMu
   /// Prescribed motion at the end of the step: x of the moved nodes has it, touches() says what it means. Inputs:
   /// hands() and further touches.
   void moveTouched(System& system, const StepContext& context);
-  /// After moveTouched(): empty, or why the reactions cannot be solved for.
-  const std::string& touchFault() const { return touch_fault_; }
+  /// After moveTouched(): empty, or why the reactions or the motion of other bodies cannot be solved for.
+  const std::string& touchFault() const { return others_fault_.empty() ? touch_fault_ : others_fault_; }
   /// Takes moveTouched() back.
   void restoreTouched(System& system);
   const std::vector<Touch>& touches() const { return touches_; }
@@ -117,8 +118,8 @@ class CondensedIntegrator : public Integrator, public StateOwner, public FindsMu
   bool holdContact(System& system, Array<double>& u, StopToken stop, StepReport& report);
   /// Forces on inside nodes that change in time, reduced to kept ones: active f changes by out.
   bool reduceTimedInterior(double* out);
-  /// Writes x = x_0 + u, and v where it is given, into the rows of active nodes; false, and nothing written, when u is
-  /// not finite.
+  /// Writes x = x_0 + u, and v where it is given, into the rows of active nodes, and ends the step of other bodies; false, and nothing
+  /// written into active rows, when a number is not finite.
   bool writeActive(System& system, const double* u, const double* v);
   /// The end of a step: outputs, forces when somebody asked.
   void finish(System& system);
@@ -191,7 +192,8 @@ class CondensedIntegrator : public Integrator, public StateOwner, public FindsMu
   void prepareSlots(const System& system, const double* u);
   void couple();
   double respond();
-  void placeSlots(System& system) const;
+  void placeSlots(System& system);
+  double addOther(Index row, const Vec3& gradient, std::size_t first);
   void giveForces();
   void addForces(Array<double>& u);
   std::string nameOfCondition(std::size_t row) const;
@@ -247,9 +249,10 @@ class CondensedIntegrator : public Integrator, public StateOwner, public FindsMu
   Eigen::VectorXd weights_;  ///< of rows of E^T C E + S, so that soft springs do not spoil its condition; empty: 1
   std::vector<Hand> hands_;
   bool hands_changed_ = true;
+  OtherBodies others_;
   CondensedConditions conditions_;
   CondensedContact contact_;
-  std::string touch_fault_;
+  std::string touch_fault_, others_fault_;
   double touch_error_ = 0;  ///< of reactions, estimated
   double square_ = 0;       ///< sum of u^2 of the last step [m^2]
   LinearRange range_;

@@ -28,7 +28,9 @@ void CondensedIntegrator::compile(System& system) {
   const auto begin = std::chrono::steady_clock::now();
   dt_ = node().root().dt();
   checkChoices();
-  body_.collect(system, *this, {condensed_, surface_indices_, isDynamic()});
+  others_.collect(system, *this);
+  conditions_.others.assign(std::size_t(others_.count()), Vec3::Zero());
+  body_.collect(system, others_, *this, {condensed_, surface_indices_, isDynamic()});
   Problem problem{system};
   for (const State* state : system.states()) asks_force_ = asks_force_ || state->forceRequested();
   problem.force = body_.constantForce();  // first: stiffnesses are those of the last force

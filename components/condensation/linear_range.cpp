@@ -36,6 +36,7 @@ void LinearRange::compile(const System& system, const CondensedBody& body, const
   };
   for (const State* state : system.states()) {
     if (state->firstRow() >= system.independentRows()) continue;  // it only follows
+    if (!state->hasPointsOnly()) continue;                        // frames are not condensed
     const Topology* topology = topologyOf(*state);
     if (!topology) continue;
     for (const Triangle& face : topology->mesh().boundaryTriangles()) add(*state, face[0], face[1], face[2]);

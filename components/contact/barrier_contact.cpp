@@ -24,13 +24,14 @@
 // The shares of vertices are updated in the first six force evaluations of a solve and then fixed (line_shares.h); with friction, whose
 // solves compare forces, they are fixed from its start. A solve is repeated if updated shares would change its forces by more than a
 // hundredth. Every iterate is shortened before anything penetrates, with allowance for round-off. After each step an exact test of all
-// edges against all triangles detects crossings; `crossings` counts such steps. Surfaces that intersect at the start are rejected, or
-// pushed apart by resolveStart (contact_start.h). Implicit integrators use Newton's method, and one linear solve is rejected. Explicit ones
-// subdivide their steps (integrators/explicit_parts.h), with contact_springs.cpp for friction.
+// edges against all triangles detects crossings; `crossings` counts such steps. Paths of threads and points are tested twice
+// (path_proofs.h). Surfaces that intersect at the start are rejected, or pushed apart by resolveStart (contact_start.h). Implicit
+// integrators use Newton's method. Explicit ones subdivide steps (integrators/explicit_parts.h), with contact_springs.cpp for friction.
 //
 // Surfaces are the boundary of the volume cells of a mesh, or its triangles and quads when it has none; quadratic triangles count as
 // four. Points of one piece that are nearer than contactDistance at rest do not push each other, but cannot cross. A state may be mapped:
-// a rigid tool is a frame that carries the nodes of a surface by a RigidMapping. Obstacles are planes (nx ny nz o: bodies are where n.x >
+// a rigid tool is a frame that carries the nodes of a surface by a RigidMapping. With a SphereCollisionModel a state is balls around its
+// nodes. States of `other` that no integrator moves are obstacles. Others are planes (nx ny nz o: bodies are where n.x >
 // o), spheres (x y z r), capsules and cylinders (x y z  x y z  r) and boxes (two corners). They are fixed, or move together by
 // `movements` at `keyTimes`, as far as their path is free, while bodies yield. A step is solved again until they have gone all the way.
 // `offset` moves them by hand: after a dozen solves the rest is left for the next step.
@@ -59,6 +60,7 @@
 #include "components/contact/contact_start.h"
 #include "components/contact/friction_rounds.h"
 #include "components/contact/line_shares.h"
+#include "components/contact/path_proofs.h"
 #include "components/contact/step_energy.h"
 #include "framework/mechanics/step_limiter.h"
 #include "framework/scene/archive.h"
@@ -98,10 +100,10 @@ class BarrierContact final : public ContactField, public StepLimiter, public Cor
   void wantStartForces(bool wanted, double of_end) override { holds_nothing_ = wanted, of_end_ = of_end; }
   void setTime(double t) override { law_.moved = is_explicit_ && is_in_step_ ? placeAt(t) : law_.moved; }
   std::string overlap(ConstRows x) override;
-  std::string doubt(ConstRows) const override { return step_energy_.doubt(outputs_.doubt()); }
-  std::string worstElement(ConstRows x) const override;
+  std::string doubt(ConstRows) const override { return step_energy_.doubt(paths_.doubt(path(), outputs_.doubt())); }
+  std::string worstElement(ConstRows x) const override { return gather(x, law_.moved), describeWorst(lawAt(x_), x_, names()); }
   bool useDefiniteTangent(bool on) override { return friction_.definite = on, tangent_ = on ? Tangent::definite : Tangent::whole, true; }
-  void reset() override { law_.candidates.forget(), startObstacles(), outputs_.reset(), step_energy_.forget(); }
+  void reset() override { law_.candidates.forget(), startObstacles(), outputs_.reset(), step_energy_.forget(), paths_.reset(); }
   void serialize(Archive& archive) override;
 
  private:
@@ -132,8 +134,9 @@ class BarrierContact final : public ContactField, public StepLimiter, public Cor
     is_explicit_ ? friction_.stretch(law_, law_.touches(x), x, start_, way) : friction_.compute(law_.surfaces, x, start_, way);
   }
   bool frictionChanges(bool was_held);
-  bool sharesChange();
-  auto names() const { return [this](int vertex) { return nameOfVertex(law_.surfaces, states(), vertex); }; }
+  /// Shares that stayed in the solve, against those of where it has ended.
+  bool sharesChange() { return share_rounds_.goOn(law_.isOutOfReach(x_) ? 0 : law_.changeByWeighing(x_, forces_before_, forces_)); }
+  std::function<std::string(int)> names() const { return [this](int vertex) { return nameOfVertex(law_.surfaces, states(), vertex); }; }
 
   static constexpr double ease = 1e-3;  ///< of contactDistance, may creep what sticks where a step is solved again, or creep is to be tiny
   // ---- attributes ----
@@ -159,6 +162,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Cor
   std::vector<Friction::Slide> solved_slides_;
   Tangent tangent_ = Tangent::whole;
   StepEnergy step_energy_;
+  PathProofs paths_;
 };
 
 void BarrierContact::declare(DataTable& table) {
@@ -166,13 +170,14 @@ void BarrierContact::declare(DataTable& table) {
   table.add("frictionIterations", friction_rounds_.most).help("most solves of a step for directions of friction").unit("-").min(1);
   declareAdhesion(table, law_.adhesion, friction_);
   table.add("resolveStart", resolve_start_).help("bodies that start in one another are pushed apart");
-  outputs_.declare(table);
+  outputs_.declare(table), paths_.declare(table);
 }
 
 void BarrierContact::compile() {
   compileSurfaces();
   finishAdhesion(law_.adhesion, friction_, law_.range);
   friction_.farthest = std::max(law_.range, 0.25 * mean_edge_);
+  paths_.compile(law_.surfaces, self_);
   law_.compile(), fastest_ = fastestLead(law_, bodies_), friction_.balance = &step_energy_, step_energy_.compile(law_, bodies_);
   startObstacles();
   way_.resize(law_.surfaces.rows.size()), forces_.resize(way_.size()), forces_before_.resize(way_.size());
@@ -181,9 +186,7 @@ void BarrierContact::compile() {
 void BarrierContact::placeStart(Rows x, Index independent, const std::function<void(Rows)>& project) {
   if (!resolve_start_) return;
   constexpr double part = 0.98;  // of the gap at which surfaces begin to push
-  std::vector<StartBody> bodies;
-  for (const State* body : bodies_) bodies.push_back({body, &meshOfBody(*body, body == bodies_.front(), topology_, *this)});
-  outputs_.moved_start = pushApart(law_, bodies, part * law_.range, independent, project, x);
+  outputs_.moved_start = pushApart(law_, listed_.startBodies(topology_, *this), part * law_.range, independent, project, x);
 }
 
 void BarrierContact::checkStart(ConstRows x) {
@@ -200,11 +203,6 @@ double BarrierContact::energy(ConstRows x) const {
   if (!is_in_step_ && !law_.candidates.covers(x_)) return lawAt(x_).energy(x_);
   lookAgain(x_);
   return step_energy_.hasStart() ? step_energy_.energy(law_, x_) : law_.energy(x_);
-}
-
-std::string BarrierContact::worstElement(ConstRows x) const {
-  gather(x, law_.moved);
-  return describeWorst(lawAt(x_), x_, names());
 }
 
 void BarrierContact::addForce(ConstRows x, ConstRows v, Rows f) {
@@ -256,6 +254,7 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
   duration_ = t_end - t;
   friction_.setSlip(slip_velocity_ * duration_);
   friction_.begin(x_.size());
+  is_explicit_ && again ? paths_.moveTo(x_) : paths_.startAt(x_);
   if (is_explicit_) return copyPlaces(x_, start_);
   if (friction_.acts() && start_.size() == x_.size()) {
     lookAgain(x_), law_.weigh(x_);
@@ -290,9 +289,11 @@ void BarrierContact::follow(ConstRows x) {
     if (holds_nothing_) moved_first_ = moved_at_start_;
     const int rounds = law_.moved == moved_first_ ? obstacle_rounds_ : 0;
     law_.moved = moved_first_;
-    gather(x, law_.moved);
+    gather(x, law_.moved), paths_.startAt(x_);
     friction_.ease(ease * law_.range, true);
     beginRounds(), obstacle_rounds_ = rounds;
+  } else if (is_back && left_start_) {
+    paths_.placeBodies(x_);
   }
   left_start_ = !is_back;
   if (is_back) moved_first_ = law_.moved;
@@ -303,10 +304,11 @@ double BarrierContact::longestStep(ConstRows x, const StepPath& way) {
   shares_.lineBegins(way.is_carried), has_solved_ = false;
   const Vec3 from = is_explicit_ ? moved_at_start_ : law_.moved;
   const Vec3 along = waits_ ? Vec3(way.along * (goal_ - from)) : Vec3(law_.moved - from);
-  gather(x, from);
+  gather(x, from), paths_.moveTo(x_);
   law_.surfaces.gatherWay(way.dx, along, way_);
   law_.surfaces.gatherBends(way.bend, bend_);
-  return law_.longestStep(x_, way_, bend_, along);
+  const double step = law_.longestStep(x_, way_, bend_, along);
+  return paths_.allow(x_, way_, bend_, step), step;
 }
 
 bool BarrierContact::updatesLagged(ConstRows x) {
@@ -339,11 +341,6 @@ void BarrierContact::advanceRemainingMotion(double s) {
   law_.moved = s < 1 ? Vec3(law_.moved + way) : goal_, friction_.looksAgain();
 }
 
-/// Shares that stayed in the solve, against those of where it has ended.
-bool BarrierContact::sharesChange() {
-  return share_rounds_.goOn(law_.isOutOfReach(x_) ? 0 : law_.changeByWeighing(x_, forces_before_, forces_));
-}
-
 /// Friction with the forces and shares that have been found now, against that of the solve before.
 bool BarrierContact::frictionChanges(bool was_held) {
   outputs_.friction_change = friction_.renew(law_, x_, start_, law_.moved - moved_at_start_, was_held, forces_before_, forces_);
@@ -351,7 +348,7 @@ bool BarrierContact::frictionChanges(bool was_held) {
 }
 
 std::string BarrierContact::overlap(ConstRows x) {
-  follow(x);
+  follow(x), paths_.moveTo(x_), paths_.noteStep(names());
   const auto crossings = law_.candidates.crossings(x_);
   const bool has_balance = std::exchange(has_solved_, false) && law_.putBack(solved_shares_);
   lookAgain(x_);
@@ -384,7 +381,7 @@ void BarrierContact::serialize(Archive& archive) {
   serializePlace(archive, "began", moved_at_start_);
   serializePlace(archive, "arrived", arrived_);
   friction_.serialize(archive);
-  step_energy_.serialize(archive);
+  step_energy_.serialize(archive), paths_.serialize(archive);
   outputs_.serialize(archive);
   if (!archive.isReading()) return;
   goal_ = law_.moved, left_start_ = is_in_step_ = false, ++pattern_revision_;

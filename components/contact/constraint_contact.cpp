@@ -43,6 +43,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/contact/body_list.h"
 #include "components/contact/contact_bodies.h"
 #include "components/contact/contact_inside.h"
 #include "components/contact/contact_obstacles.h"
@@ -117,7 +118,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   std::string nameOf(int vertex) const { return nameOfVertex(law_.surfaces, bodies_, vertex); }
 
   Link<State> mstate_{"mechanical state"};
-  LinkList<State> other_{"mechanical state"};
+  BodyList listed_;
   TopologyLink topology_;
   Obstacles obstacles_;
   BarrierLaw law_;  ///< surfaces, obstacles and candidates; no barrier acts
@@ -141,7 +142,8 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
 
 void ConstraintContact::declare(DataTable& table) {
   table.addLink("mstate", mstate_).help("state of the body; of this node or the nearest above when not given");
-  table.addLink("other", other_).help("states of other bodies; without any, mstate meets obstacles, and itself with selfContact");
+  listed_.declare(table, "states of other bodies, obstacles if nothing moves them; without any, mstate meets obstacles, and itself with "
+                         "selfContact");
   topology_.declare(table, "mesh whose surface mstate has");
   table.add("contactDistance", law_.range).help("gap that is kept; 0: a hundredth of the mean edge").unit("m").min(0);
   table.add("thickness", law_.thickness).help("distance of two surfaces at which their gap is zero").unit("m").min(0);
@@ -166,8 +168,8 @@ void ConstraintContact::init() {
   if (!first)
     throw ComponentError("no mechanical state has a surface for this contact",
                          "a " + usualComponent(Part::state) + " in the same node or above, or mstate=\"@path\"");
-  bodies_ = bodiesInContact(*first, other_.all());
-  obstacles_.init(self_ || bodies_.size() > 1, "other, planes, spheres, capsules, cylinders, boxes, meshes or selfContact");
+  bodies_ = listed_.init(*first);
+  obstacles_.init(self_ || listed_.areSeveral(), "other, planes, spheres, capsules, cylinders, boxes, meshes or selfContact");
   build();
   is_built_ = false;
   checkStart();
@@ -175,7 +177,7 @@ void ConstraintContact::init() {
 
 void ConstraintContact::build() {
   law_.surfaces.clear(), gaps_.clear();
-  addSurfaces(law_.surfaces, bodies_, topology_, *this);
+  listed_.addTo(law_.surfaces, topology_, *this);
   obstacles_.addTo(law_);
   law_.surfaces.finish();
   constexpr double small = 0.01;
@@ -236,9 +238,7 @@ void ConstraintContact::placeStart(Rows x, Index independent, const std::functio
   constexpr double beyond = 1.02;  // of the gap that is kept: pushApart() ends within a hundredth of the gap that it is given
   build();
   law_.moved = moved_at_start_;
-  std::vector<StartBody> bodies;
-  for (const State* body : bodies_) bodies.push_back({body, &meshOfBody(*body, body == bodies_.front(), topology_, *this)});
-  outputs_.moved_start = pushApart(law_, bodies, beyond * law_.range, independent, project, x);
+  outputs_.moved_start = pushApart(law_, listed_.startBodies(topology_, *this), beyond * law_.range, independent, project, x);
   law_.surfaces.gather(x, law_.moved, x_);
   refuseOverlaps();
 }

@@ -33,15 +33,6 @@ const Mesh& meshOfBody(const State& body, bool is_first, const TopologyLink& top
   return found->mesh();
 }
 
-void addSurfaces(Surfaces& surfaces, const std::vector<State*>& bodies, const TopologyLink& topology, const Component& asker) {
-  for (const State* body : bodies) {
-    const std::size_t before = surfaces.faces.size();
-    surfaces.addState(*body, meshOfBody(*body, body == bodies.front(), topology, asker));
-    if (surfaces.faces.size() == before)
-      throw ComponentError(fmt::format("the mesh of {} has no node", body->path()), "cells, edges or points");
-  }
-}
-
 std::vector<char> areRigid(const Surfaces& surfaces, const std::vector<State*>& bodies) {
   std::vector<Mapping*> mappings;
   bodies.front()->node().root().collect(mappings);
@@ -57,6 +48,11 @@ std::vector<char> areRigid(const Surfaces& surfaces, const std::vector<State*>& 
 
 double partOfMeanEdge(const Surfaces& surfaces, double part) {
   if (surfaces.meanEdge() > 0) return part * surfaces.meanEdge();
+  double sum = 0;
+  int count = 0;
+  for (std::size_t f = 0; f < surfaces.faces.size(); ++f)
+    if (surfaces.moves(surfaces.faces[f][0]) && surfaces.radius[f] > 0) sum += surfaces.radius[f], ++count;
+  if (count > 0) return part * sum / count;
   throw ComponentError("points have no edges of which contactDistance would be a part", "contactDistance=\"...\"");
 }
 
@@ -87,7 +83,7 @@ std::string namesOf(const BarrierLaw& law, const std::vector<State*>& bodies, bo
     text += (i == 0 ? "" : ", ") + bodies[i]->path();
     if (i >= all.size() || all[i].faces == 0) continue;
     const auto& [a, b, c] = law.surfaces.faces[std::size_t(all[i].first_face)];
-    if (a == b) text += b == c ? " (its points)" : " (its edges)";
+    if (a == b) text += b != c ? " (its edges)" : law.surfaces.vertex_radius[std::size_t(a)] > 0 ? " (its balls)" : " (its points)";
   }
   if (obstacles > 0) text += fmt::format(" and {} obstacle{}", obstacles, obstacles == 1 ? "" : "s");
   if (self) text += bodies.size() == 1 && obstacles == 0 ? " with itself" : ", each body with itself too";

@@ -11,17 +11,14 @@ namespace stroma::contact {
 /// `first` followed by `others`, without duplicates. Throws ComponentError for a state whose rows are not points.
 std::vector<State*> bodiesInContact(State& first, const std::vector<State*>& others);
 
-/// Adds the surfaces of `bodies`: for the first, the mesh that `topology` finds for `asker`; for the others, the mesh beside
-/// their state. Throws ComponentError if there is no mesh, or it has no nodes.
-void addSurfaces(Surfaces& surfaces, const std::vector<State*>& bodies, const TopologyLink& topology, const Component& asker);
-
-/// The mesh that addSurfaces() uses for a body. Throws ComponentError if there is none.
+/// The mesh of a body: for the first one that which `topology` finds for `asker`, otherwise the one beside its state. Throws
+/// ComponentError if there is none.
 const Mesh& meshOfBody(const State& body, bool is_first, const TopologyLink& topology, const Component& asker);
 
 /// Per body of the surfaces: whether it is rigid, as an obstacle or as points of `bodies` on one rigid frame.
 std::vector<char> areRigid(const Surfaces& surfaces, const std::vector<State*>& bodies);
 
-/// The default of contactDistance. Throws ComponentError if the bodies have no edges.
+/// The default of contactDistance: a part of the mean edge, or of the mean radius of balls. Throws ComponentError if bodies have neither.
 double partOfMeanEdge(const Surfaces& surfaces, double part);
 
 /// The largest youngModulus of the force fields below the nodes of these states, or below the nearest ancestors that have

@@ -54,6 +54,7 @@ void Candidates::forget() {
 
 bool Candidates::mayMeet(int a, int b) const {
   const auto& bodies = surfaces_->bodies();
+  if (surfaces_->areExcluded(a, b)) return false;
   if (a == b) return self_contact && bodies[std::size_t(a)].moves;
   return bodies[std::size_t(a)].moves || bodies[std::size_t(b)].moves;
 }
@@ -93,13 +94,17 @@ Candidate Candidates::vertexAndFace(int vertex, int face) const {
   const auto& f = s.faces[std::size_t(face)];
   const double own =
       s.radius[std::size_t(s.faces_around.values[std::size_t(s.faces_around.start[std::size_t(vertex)])])];
-  return {PairKind::point_triangle, vertex, face, {vertex, f[0], f[1], f[2]}, own + s.radius[std::size_t(face)]};
+  Candidate pair{PairKind::point_triangle, vertex, face, {vertex, f[0], f[1], f[2]}, own + s.radius[std::size_t(face)]};
+  pair.is_rounded = pair.radius > 0 && !(s.moves(vertex) && s.moves(f[0]));
+  return pair;
 }
 
 Candidate Candidates::twoEdges(int a, int b, double radius) const {
   if (a > b) std::swap(a, b);
   const auto &p = surfaces_->edges[std::size_t(a)], &q = surfaces_->edges[std::size_t(b)];
-  return {PairKind::edge_edge, a, b, {p[0], p[1], q[0], q[1]}, radius};
+  Candidate pair{PairKind::edge_edge, a, b, {p[0], p[1], q[0], q[1]}, radius};
+  pair.is_rounded = radius > 0 && !(surfaces_->moves(p[0]) && surfaces_->moves(q[0]));
+  return pair;
 }
 
 /// The pairs that two triangles stand for: each vertex and edge belongs to one triangle.
@@ -123,7 +128,7 @@ bool Candidates::isNearAtRest(const Candidate& pair) const {
   const Surfaces& s = *surfaces_;
   if (s.pieceOf(pair.v[0]) != s.pieceOf(pair.v[3])) return false;
   const FourPoints rest = pointsOf(pair, s.rest);
-  const double near = reach_at_rest < 0 ? reach : reach_at_rest;
+  const double near = (reach_at_rest < 0 ? reach : reach_at_rest) + pair.radius;
   if (areFar(pair.kind, rest, nullptr, near)) return false;
   if (pair.kind == PairKind::edge_edge && leastOfParallel(rest) > near) return false;
   return closestPoints(pair.kind, rest).distance() <= near;

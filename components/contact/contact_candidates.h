@@ -26,6 +26,7 @@ struct Candidate {
   bool pushes = true;    ///< false: already close at rest, and only prevented from crossing
   double factor = std::numeric_limits<double>::quiet_NaN();  ///< for two edges, see contact_terms.h; NaN: unknown
   double tried = factor, found = factor;                     ///< the factor in the previous solve, and the one that resulted from it
+  bool is_rounded = false;  ///< one side is a rounded obstacle
   bool operator<(const Candidate& o) const {
     return kind != o.kind ? kind < o.kind : first != o.first ? first < o.first : second < o.second;
   }

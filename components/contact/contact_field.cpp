@@ -9,7 +9,7 @@ namespace stroma::contact {
 
 void ContactField::declare(DataTable& table) {
   ForceField::declare(table);
-  table.addLink("other", other_).help("states of other bodies; without any, mstate meets itself and obstacles");
+  listed_.declare(table, "states of other bodies, obstacles if nothing moves them; without any, mstate meets itself and obstacles");
   topology_.declare(table, "mesh whose surface mstate has");
   table.add("contactDistance", law_.range).help("gap below which surfaces push; 0: a tenth of their mean edge").unit("m").min(0);
   table.add("stiffness", stiffness_).help("kappa; 0: a tenth of the largest youngModulus of the bodies").unit("Pa").min(0);
@@ -23,8 +23,8 @@ void ContactField::declare(DataTable& table) {
 
 void ContactField::init() {
   ForceField::init();
-  bodies_ = bodiesInContact(state(), other_.all());
-  obstacles_.init(self_ || bodies_.size() > 1, "other, planes, spheres, capsules, cylinders, boxes, meshes or selfContact");
+  bodies_ = listed_.init(state());
+  obstacles_.init(self_ || listed_.areSeveral(), "other, planes, spheres, capsules, cylinders, boxes, meshes or selfContact");
   finishFriction(friction_);
   law_.stiffness = stiffness_ > 0 ? stiffness_ : 0.1 * largestYoungModulus(bodies_);
   if (!(law_.stiffness > 0))
@@ -34,12 +34,12 @@ void ContactField::init() {
 
 void ContactField::compileSurfaces() {
   law_.surfaces.clear();
-  addSurfaces(law_.surfaces, bodies_, topology_, *this);
+  listed_.addTo(law_.surfaces, topology_, *this);
   obstacles_.addTo(law_);
   law_.surfaces.finish();
   mean_edge_ = law_.surfaces.meanEdge();
   if (law_.range == 0) law_.range = partOfMeanEdge(law_.surfaces, 0.1);
-  law_.surfaces.giveWidth(law_.range + law_.thickness);
+  law_.surfaces.giveWidth(law_.range, law_.thickness);
   law_.candidates.self_contact = self_;
   outputs_.compile(law_, bodies_);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include "components/contact/body_list.h"
 #include "components/contact/contact_attributes.h"
 #include "components/contact/contact_obstacles.h"
 #include "components/contact/contact_outputs.h"
@@ -13,7 +14,7 @@ namespace stroma::contact {
 /// A contact by forces: its bodies and obstacles as attributes, and the derivatives of the last addForce().
 class ContactField : public ForceField, public OpenChoices, public HasSolvePotential, public DrawnObstacles {
  public:
-  /// mstate, other, topology, contactDistance, stiffness, thickness, coefficients of friction, selfContact and obstacles.
+  /// mstate, topology, those of BodyList, contactDistance, stiffness, thickness, coefficients of friction, selfContact and obstacles.
   void declare(DataTable& table) override;
   void init() override;
   std::vector<State*> states() const override { return bodies_; }
@@ -41,6 +42,7 @@ class ContactField : public ForceField, public OpenChoices, public HasSolvePoten
   Friction friction_;
   double slip_velocity_ = 1e-4;
   bool self_ = true;
+  BodyList listed_;
   TopologyLink topology_;
   Obstacles obstacles_;
   Outputs outputs_;
@@ -55,7 +57,6 @@ class ContactField : public ForceField, public OpenChoices, public HasSolvePoten
 
  private:
   double stiffness_ = 0;
-  LinkList<State> other_{"mechanical state"};
 };
 
 }  // namespace stroma::contact

@@ -35,7 +35,8 @@ void refuseInside(const std::string& path, const Surfaces& surfaces, const std::
   std::vector<char> is_known(x.size(), false);  // pieces
   for (int v = 0; v < int(x.size()); ++v) {
     const Vec3& place = x[std::size_t(v)];
-    const auto ofOthers = [&](int other) { return surfaces.moves(other) && surfaces.bodyOf(other) != surfaces.bodyOf(v); };
+    const auto ofOthers = [&](int other) { return surfaces.moves(other) && surfaces.bodyOf(other) != surfaces.bodyOf(v) &&
+                                                   !surfaces.areExcluded(surfaces.bodyOf(other), surfaces.bodyOf(v)); };
     if ((surfaces.moves(v) && !name) || std::exchange(is_known[std::size_t(surfaces.pieceOf(v))], true) ||
         !(turnsAround(place, surfaces, x, ofOthers) > 0.5))
       continue;
@@ -63,7 +64,7 @@ std::string describeNear(const BarrierLaw& law, const std::vector<Vec3>& x, cons
   }
   for (std::size_t p = 0; p < law.planes.size(); ++p)
     for (int v = 0; v < int(x.size()); ++v)
-      if (s.moves(v)) look(law.gapToPlane(p, x[std::size_t(v)]), v, -1);
+      if (s.moves(v)) look(law.gapToPlane(p, std::size_t(v), x[std::size_t(v)]), v, -1);
   if (at < 0) return {};
   return fmt::format("{} starts with a gap of {:.4g} m{}, and contactDistance is {:.4g} m: the first step pushes them as far apart, in "
                      "time as fast as that takes",

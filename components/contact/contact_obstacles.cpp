@@ -126,7 +126,7 @@ void Obstacles::addTo(BarrierLaw& law) const {
   });
   for (const Topology* mesh : meshes_.all()) {
     const std::size_t before = law.surfaces.faces.size();
-    law.surfaces.addObstacle(mesh->mesh());
+    law.surfaces.addObstacle(mesh->mesh(), mesh->mesh().position);
     if (law.surfaces.faces.size() == before)
       throw ComponentError(fmt::format("{} has no triangle, quad or volume cell", mesh->path()), "a surface");
   }
@@ -144,7 +144,7 @@ void addShapes(const BarrierLaw& law, std::vector<DrawnObstacles::Shape>& shapes
     DrawnObstacles::Shape shape;
     const auto first = s.rest.begin() + body.first_vertex;
     shape.points.assign(first, first + body.vertices);
-    shape.radius = s.radius[std::size_t(body.first_face)];
+    if (body.vertices <= 2) shape.radius = s.radius[std::size_t(body.first_face)];
     for (int f = body.first_face; shape.radius == 0 && f < body.first_face + body.faces; ++f) {
       const auto& [a, b, c] = s.faces[std::size_t(f)];
       shape.triangles.push_back({a - body.first_vertex, b - body.first_vertex, c - body.first_vertex});
@@ -226,10 +226,11 @@ void refuseOverlap(const std::string& path, const BarrierLaw& law, const std::ve
     if (pair.pushes && pair.distance <= law.thickness)  // a lower bound
       look(closestPoints(pair.kind, law.candidates.pointsOf(pair, x)).distance() - pair.radius - law.thickness,
            law.surfaces.moves(pair.v[0]) ? pair.v[0] : pair.v[3],
-           pair.radius > 0 ? "an obstacle" : "the thickness of another surface");
+           pair.radius > 0 ? law.surfaces.moves(pair.v[3]) && law.surfaces.moves(pair.v[0]) ? "another body" : "an obstacle"
+                           : "the thickness of another surface");
   for (std::size_t p = 0; p < law.planes.size(); ++p)
     for (std::size_t v = 0; v < x.size(); ++v)
-      if (law.surfaces.moves(int(v))) look(law.gapToPlane(p, x[v]), int(v), "a plane");
+      if (law.surfaces.moves(int(v))) look(law.gapToPlane(p, v, x[v]), int(v), "a plane");
   if (pairs > 0)
     throw ComponentError(fmt::format("bodies of {} start in one another, in {} pairs; the deepest: {}", path, pairs, found),
                          "a start with gaps everywhere");

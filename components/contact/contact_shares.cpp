@@ -131,7 +131,7 @@ void BarrierLaw::weighPlanes(const std::vector<Vec3>& x) const {
   std::fill(plane_share_.begin(), plane_share_.end(), not_weighed);
   for (std::size_t p = 0; p < planes.size(); ++p)
     for (std::size_t v = 0; v < x.size(); ++v)
-      if (surfaces.moves(int(v)) && gapToPlane(p, x[v]) < far())
+      if (surfaces.moves(int(v)) && gapToPlane(p, v, x[v]) < far())
         plane_share_[p * x.size() + v] = shareOf(int(v), planes[p].normal, x);
 }
 

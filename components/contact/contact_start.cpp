@@ -199,7 +199,7 @@ void Apart::collectNear() {
 void Apart::collectPlanes() {
   for (std::size_t plane = 0; plane < law_.planes.size(); ++plane)
     for (int v = 0; v < int(points_.size()); ++v)
-      if (const double missing = gap_ - law_.gapToPlane(plane, points_[std::size_t(v)]); moves(v) && missing > 0.01 * gap_)
+      if (const double missing = gap_ - law_.gapToPlane(plane, std::size_t(v), points_[std::size_t(v)]); moves(v) && missing > 0.01 * gap_)
         ask({{v, -1, -1}, {1, 0, 0}}, {}, law_.planes[plane].normal, missing);
 }
 

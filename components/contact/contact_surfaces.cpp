@@ -20,17 +20,29 @@ int Surfaces::addVertex(Index row, const Vec3& x) {
   return int(rows.size()) - 1;
 }
 
-void Surfaces::addState(const State& state, const Mesh& mesh) { addFaces(mesh, &state); }
-void Surfaces::addObstacle(const Mesh& mesh) { addFaces(mesh, nullptr); }
+void Surfaces::addState(const State& state, const Mesh& mesh) { addFaces(mesh, &state, state.rest_position); }
+void Surfaces::addObstacle(const Mesh& mesh, const std::vector<Vec3>& position) { addFaces(mesh, nullptr, position); }
+
+void Surfaces::addBalls(const State& state, const std::vector<double>& radii) {
+  bodies_.push_back({.moves = true, .first_vertex = int(rows.size()), .first_face = int(faces.size())});
+  for (Index node = 0; node < state.nodes(); ++node) {
+    const int v = addVertex(state.firstRow() + node, state.rest_position[std::size_t(node)]);
+    faces.push_back({v, v, v}), radius.push_back(radii[std::size_t(node)]);
+  }
+  bodies_.back().faces = int(faces.size()) - bodies_.back().first_face;
+}
+
+void Surfaces::addObstacles(const std::vector<Vec3>& centres, const std::vector<double>& radii) {
+  for (std::size_t i = 0; i < centres.size(); ++i) addObstacle({centres[i]}, {{0, 0, 0}}, radii[i]);
+}
 
 /// Without a state they are an obstacle's.
-void Surfaces::addFaces(const Mesh& mesh, const State* state) {
+void Surfaces::addFaces(const Mesh& mesh, const State* state, const std::vector<Vec3>& position) {
   bodies_.push_back({.moves = state != nullptr, .first_vertex = int(rows.size()), .first_face = int(faces.size())});
   std::map<Index, int> vertex_of;
   const auto vertex = [&](Index node) {
     const auto [at, is_new] = vertex_of.try_emplace(node, -1);
-    const Vec3& place = (state ? state->rest_position : mesh.position)[std::size_t(node)];
-    if (is_new) at->second = addVertex(state ? state->firstRow() + node : -1, place);
+    if (is_new) at->second = addVertex(state ? state->firstRow() + node : -1, position[std::size_t(node)]);
     return at->second;
   };
   const auto add = [&](Index a, Index b, Index c) {
@@ -75,6 +87,9 @@ void Surfaces::finish() {
     for (std::size_t k = 0; k < 3; ++k)
       if (auto& list = around[std::size_t(faces[f][k])]; list.empty() || list.back() != Index(f)) list.push_back(Index(f));
   faces_around = {};
+  vertex_radius.assign(rows.size(), 0);
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (const int v : faces[f]) vertex_radius[std::size_t(v)] = radius[f];
   for (const auto& list : around) {
     faces_around.values.insert(faces_around.values.end(), list.begin(), list.end());
     faces_around.start.push_back(Index(faces_around.values.size()));
@@ -93,12 +108,13 @@ void Surfaces::findVertexAreas() {
     for (std::size_t k = 0; k < 3; ++k) vertex_area[std::size_t(faces[f][k])] += corner_area[f][k];
 }
 
-void Surfaces::giveWidth(double width) {
+void Surfaces::giveWidth(double range, double thickness) {
   for (std::size_t f = 0; f < faces.size(); ++f) {
     const auto& [a, b, c] = faces[f];
     if (a != b || !moves(a)) continue;
     const int edge = face_edges[f][1];  // from b to c; -1: a point
-    area[f] = width * (edge < 0 ? width : std::sqrt(edge_square[std::size_t(edge)]));
+    const double least = range + thickness, of_ball = 2 * M_PI * radius[f] * range, of_rod = 2 * std::sqrt(2 * radius[f] * range);
+    area[f] = edge < 0 ? std::max(least * least, of_ball) : std::max(least, of_rod) * std::sqrt(edge_square[std::size_t(edge)]);
     corner_area[f] = edge < 0 ? std::array{area[f], 0., 0.} : std::array{area[f] / 2, 0., area[f] / 2};
     if (edge >= 0) edge_area[std::size_t(edge)] += area[f];
   }

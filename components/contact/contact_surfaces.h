@@ -26,12 +26,17 @@ class Surfaces {
   void addState(const State& state, const Mesh& mesh);
   /// Adds an obstacle; `radius`: of its rounded points and edges.
   void addObstacle(const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& faces, double radius);
-  /// Adds the surface of a mesh, chosen as in addState(), as an obstacle.
-  void addObstacle(const Mesh& mesh);
+  /// Adds the surface of a mesh, chosen as in addState(), as an obstacle; `position`: of its nodes [m].
+  void addObstacle(const Mesh& mesh, const std::vector<Vec3>& position);
+  /// Adds a ball around each node of a state, or a point where its radius is 0 [m].
+  void addBalls(const State& state, const std::vector<double>& radii);
+  /// The same as obstacles, each of its own.
+  void addObstacles(const std::vector<Vec3>& centres, const std::vector<double>& radii);
   /// Call it when all have been added.
   void finish();
-  /// After that: treats edges without a triangle as strips of this width, and points as squares, that face what they meet [m].
-  void giveWidth(double width);
+  /// After that: edges without a triangle become strips that face what they meet, and points squares. They are as wide as `range` plus
+  /// `thickness`. Rounded ones are, if that is wider, the part of their surface with a gap below `range` on a plane [m].
+  void giveWidth(double range, double thickness);
   /// Positions of all vertices: rows of x, and obstacles moved by `moved`.
   void gather(ConstRows x, const Vec3& moved, std::vector<Vec3>& out) const;
   /// Displacements of all vertices: rows of dx, and `along` for obstacles.
@@ -47,16 +52,21 @@ class Surfaces {
   /// Only the outer side of this piece is solid: each of its edges has two triangles with consistent orientation.
   bool isOneSided(int vertex) const { return one_sided_[std::size_t(pieceOf(vertex))]; }
   int bodyOf(int vertex) const { return body_[std::size_t(vertex)]; }
+  bool areExcluded(int body_a, int body_b) const {
+    return std::find(excluded.begin(), excluded.end(), std::array{std::min(body_a, body_b), std::max(body_a, body_b)}) != excluded.end();
+  }
   bool moves(int vertex) const { return rows[std::size_t(vertex)] >= 0; }
   bool sameEdge(int edge, int a, int b) const {
     return edges[std::size_t(edge)] == std::array{std::min(a, b), std::max(a, b)};
   }
   double meanEdge() const { return mean_edge_; }  ///< of bodies, at rest [m]
 
+  std::vector<std::array<int, 2>> excluded;  ///< bodies without contact with each other, the smaller number first
   // ---- vertices ----
   std::vector<Index> rows;  ///< of the system; -1: of an obstacle
   std::vector<Vec3> rest;   ///< [m]
   std::vector<int> vertex_count;  ///< multiplicity of its own barrier, see contact_terms.h: 1 in the interior of a surface
+  std::vector<double> vertex_radius;  ///< of its triangles, edges or ball [m]
   std::vector<double> vertex_area;  ///< sum of its corner areas [m^2]
   Adjacency faces_around;   ///< triangles of each vertex
   // ---- triangles ----
@@ -75,7 +85,7 @@ class Surfaces {
 
  private:
   int addVertex(Index row, const Vec3& x);
-  void addFaces(const Mesh& mesh, const State* state);
+  void addFaces(const Mesh& mesh, const State* state, const std::vector<Vec3>& position);
   void findCorners();
   void findVertexAreas();
   void findEdges();

@@ -163,7 +163,7 @@ void BarrierLaw::addPlaneTouches(const std::vector<Vec3>& x) const {
   for (std::size_t p = 0; p < planes.size(); ++p)
     for (std::size_t v = 0; v < x.size(); ++v) {
       if (!surfaces.moves(int(v))) continue;
-      const double gap = gapToPlane(p, x[v]);
+      const double gap = gapToPlane(p, v, x[v]);
       if (!(gap < far())) continue;
       double& share = plane_share_[p * x.size() + v];
       if (std::isnan(share)) share = shareOf(int(v), planes[p].normal, x);
@@ -209,7 +209,7 @@ double BarrierLaw::longestStep(const std::vector<Vec3>& x, const std::vector<Vec
   for (std::size_t p = 0; p < planes.size(); ++p)
     for (std::size_t v = 0; v < x.size(); ++v)
       if (surfaces.moves(int(v))) {
-        const double off = bend.empty() ? 0 : bend[v], gap = gapToPlane(p, x[v]) - off;
+        const double off = bend.empty() ? 0 : bend[v], gap = gapToPlane(p, v, x[v]) - off;
         if (off > 0 && gap <= 0) return 0;
         step = std::min(step, longestStepToPlane(gap, planes[p].normal.dot(way - dx[v])));
       }

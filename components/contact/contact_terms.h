@@ -146,8 +146,9 @@ class BarrierLaw {
   /// The largest s <= 1 for which vertices may move by s dx while planes move by s way. `bend`: see Candidates.
   double longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend,
                      const Vec3& way) const;
-  double gapToPlane(std::size_t plane, const Vec3& x) const {
-    return planes[plane].normal.dot(x - moved) - planes[plane].offset - thickness;
+  /// Of a vertex at x.
+  double gapToPlane(std::size_t plane, std::size_t vertex, const Vec3& x) const {
+    return planes[plane].normal.dot(x - moved) - planes[plane].offset - thickness - surfaces.vertex_radius[vertex];
   }
 
  private:

@@ -72,7 +72,7 @@ void KeptGap::place(const BarrierLaw& law, const std::vector<Vec3>& x) {
   if (!pair) {
     c[0] = 1;
     n = law.planes[plane].normal;
-    start = law.gapToPlane(plane, x[std::size_t(v[0])]);
+    start = law.gapToPlane(plane, std::size_t(v[0]), x[std::size_t(v[0])]);
   } else if (const FourPoints points = law.candidates.pointsOf(*pair, x); is_aligned) {
     const Vec3 along = points[1] - points[0], from = points[0] - points[2];
     const Vec3 beside = from - along * (along.dot(from) / along.squaredNorm());
@@ -102,7 +102,7 @@ bool KeptGap::isFar(const BarrierLaw& law) const {
 
 void KeptGap::look(const BarrierLaw& law, const std::vector<Vec3>& from, const std::vector<Vec3>& x, bool refresh) {
   if (!pair) {
-    gap = law.gapToPlane(plane, x[std::size_t(v[0])]) - law.range;
+    gap = law.gapToPlane(plane, std::size_t(v[0]), x[std::size_t(v[0])]) - law.range;
   } else {
     FourPoints points = law.candidates.pointsOf(*pair, x);
     double apart = 0;
@@ -199,7 +199,7 @@ void KeptGaps::addPairs(const BarrierLaw& law, const ExpectedMotion& ways) {
 void KeptGaps::addPlanes(const BarrierLaw& law, const std::vector<Vec3>& x) {
   for (std::size_t p = 0; p < law.planes.size(); ++p)
     for (int v = 0; v < int(x.size()); ++v)
-      if (law.surfaces.moves(v) && law.gapToPlane(p, x[std::size_t(v)]) < law.range + 2 * way_) {
+      if (law.surfaces.moves(v) && law.gapToPlane(p, std::size_t(v), x[std::size_t(v)]) < law.range + 2 * way_) {
         all_.push_back({.plane = p, .v = {v, -1, -1, -1}});
         all_.back().place(law, x);
         all_.back().has_closed = all_.back().gap < touching * law.range;

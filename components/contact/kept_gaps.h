@@ -28,7 +28,7 @@
 namespace stroma::contact {
 
 /// The number of vertices on an invalid side after a touch: the vertex, or all of two edges; none with rounded obstacles.
-inline int passing(const Candidate& pair) { return pair.radius > 0 ? 0 : pair.kind == PairKind::point_triangle ? 1 : 4; }
+inline int passing(const Candidate& pair) { return pair.is_rounded ? 0 : pair.kind == PairKind::point_triangle ? 1 : 4; }
 /// An upper bound of the relative motion of the two sides of a pair.
 double boundOfRelativeMotion(PairKind kind, const FourPoints& ways);
 /// A pair whose relative motion is below this fraction of its distance does not touch.

@@ -177,7 +177,7 @@ void KeptGaps::forEachMeeting(const BarrierLaw& law, Visit&& visit) const {
     const bool moves = bodies[std::size_t(a)].moves;
     if (moves && !law.planes.empty()) visit(a, -1);
     for (int b = law.candidates.self_contact && moves ? a : a + 1; b < int(bodies.size()); ++b)
-      if (moves || bodies[std::size_t(b)].moves) visit(a, b);
+      if ((moves || bodies[std::size_t(b)].moves) && !law.surfaces.areExcluded(a, b)) visit(a, b);
   }
 }
 
@@ -239,7 +239,7 @@ bool KeptGaps::isAbovePlanes(const BarrierLaw& law, int body, const std::vector<
   for (const int v : bodies_[std::size_t(body)].vertices)
     for (std::size_t p = 0; p < law.planes.size(); ++p) {
       const Vec3 &plane = law.planes[p].normal, before = start_[std::size_t(v)] + (law.moved - moved_at_start_);
-      const double now = law.gapToPlane(p, x[std::size_t(v)]), start = now - plane.dot(x[std::size_t(v)] - before);
+      const double now = law.gapToPlane(p, std::size_t(v), x[std::size_t(v)]), start = now - plane.dot(x[std::size_t(v)] - before);
       if (start >= law.range + 2 * way_ && now < law.range) return false;
     }
   return true;

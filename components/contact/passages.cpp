@@ -26,7 +26,8 @@ double depthBelowPlanes(const BarrierLaw& law, const std::vector<Vec3>& x, int& 
   double deepest = 0;
   for (std::size_t p = 0; p < law.planes.size(); ++p)
     for (std::size_t v = 0; v < x.size(); ++v)
-      if (const double depth = law.surfaces.moves(int(v)) ? -law.gapToPlane(p, x[v]) : 0; depth > deepest) deepest = depth, vertex = int(v);
+      if (const double depth = law.surfaces.moves(int(v)) ? -law.gapToPlane(p, v, x[v]) : 0; depth > deepest)
+        deepest = depth, vertex = int(v);
   return deepest;
 }
 

@@ -35,7 +35,6 @@ StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
   StepReport report = solveLinearised(stop);
   if (report.diverged && std::ranges::any_of(system_->forceFields(), [](const ForceField* field) { return !field->traits().linear; }))
     report.reason += "; one linear solve takes a step of any length, newtonIterations=\"20\" shortens steps that go too far";
-  if (scheme.moved_after != 0 && !report.failed()) system_->motion().advance(scheme.moved_after, change_, x());
   if (!multipliers_.empty() && !report.failed()) multipliers_.correct(*solver_, tangent(), change_, {}, stop, report);
   turnVelocities(stop, report);
   bodies_.momenta(x(), v(), end_momenta_);
@@ -122,17 +121,25 @@ StepReport ImplicitStep::solveLinearised(StopToken stop) {
   s.constraints().project(b);
   projectFree(scheme_.old_time, scheme_.time, b);
 
+  SystemMatrix& matrix = tangent();
+  if (scheme_.from_predictor) {
+    copy(velocity_predictor, work_);
+    s.constraints().project(work_);
+    matrix.multiply(work_, constant_);
+    axpy(-1, constant_, b);
+  }
   StepReport report;
-  if (!solveOrShift(*solver_, tangent(), b, dv, {.stop = stop}, report, {.result = &s})) return report;
+  if (!solveOrShift(*solver_, matrix, b, dv, {.stop = stop}, report, {.result = &s})) return report;
+  if (scheme_.from_predictor) axpy(1, work_, dv);
   s.constraints().project(dv);
   turnBodies();
   advance();
   return report;
 }
 
-/// u = v0 + dv and x = x0 + drift v0 + displacement dv in one pass.
+/// u = v0 + dv and x = x0 + drift v0 + (displacement + moved_after) dv in one pass.
 void ImplicitStep::advance() {
-  const double drift = scheme_.drift, rest = scheme_.displacement - scheme_.drift;
+  const double drift = scheme_.drift, rest = scheme_.displacement + scheme_.moved_after - scheme_.drift;
   const double* __restrict change = change_.rows().data;
   double* __restrict velocity = v().data;
   double* __restrict position = x().data;

@@ -30,6 +30,7 @@ struct ImplicitScheme {
   double time = 0, old_time = 0;      ///< of F(x(u), u) and of F(x0, v0), for time-dependent forces [s]
   double moved_after = 0;             ///< x also moves by this times (u - v0) when u has been found [s]
   bool has_history = false;           ///< ImplicitStep::position_predictor and velocity_predictor are not zero
+  bool from_predictor = false;        ///< one linear solve, for u - v0 - velocity_predictor
 };
 
 class ImplicitStep final : public NonlinearProblem {

@@ -16,8 +16,9 @@
 // contact that limits steps (BarrierContact), each a0 is recomputed as M^-1 F(x0, v0), at the cost of one more solve with the
 // mass per step. The contact does not contribute to a0; in each step it has the force h f whose work is the change of its
 // energy. Instead of a1 its contribution is f/gamma. vdamping multiplies v by exp(-h vdamping) after the step, and
-// velocityThreshold stops slow nodes. Where gamma = 1/2 and a force field's K changes or is not the exact derivative of its
-// force, a step makes two linear solves: see TrapezoidalRuleSolver.
+// velocityThreshold stops slow nodes. An iterative solver begins with v1 = v0, so that a solve that ends early keeps v0; with
+// fromZeroAcceleration it begins with a1 = 0, as SOFA's does. Where gamma = 1/2 and a force field's K changes or is not the
+// exact derivative of its force, a step makes two linear solves: see TrapezoidalRuleSolver.
 //
 // With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
 //
@@ -72,7 +73,7 @@ class NewmarkImplicitSolver final : public ImplicitIntegrator {
   Acceleration acceleration_;
   Vector force_;                         ///< [N], shape (independentRows())
   Vector a_, new_a_;                     ///< a0 and a1 [m/s^2], shape (independentRows())
-  bool undamped_start_ = false;
+  bool undamped_start_ = false, from_zero_ = false;
   bool started_ = false;                 ///< a_ is that of the state
   std::vector<Vec3> rates_, new_rates_;  ///< L' of turning bodies, which is stepped instead of w' [N m]
 };
@@ -94,6 +95,11 @@ void NewmarkImplicitSolver::declare(DataTable& table) {
   table.add("undampedStart", undamped_start_)
       .recompiled()
       .help("the first acceleration is that without rayleighMass and rayleighStiffness, as in SOFA");
+  table.add("fromZeroAcceleration", from_zero_)
+      .recompiled()
+      .help(
+          "the linear solve begins with a1 = 0 instead of v1 = v0, which matters to iterative solvers that end early; needs "
+          "newtonIterations=\"1\"");
   velocity_damping_.declare(table);
   declareSolvers(table);
   sleep_.declare(table);
@@ -110,6 +116,7 @@ void NewmarkImplicitSolver::init() {
 
 void NewmarkImplicitSolver::compile(System& system) {
   compileStep(system, gamma_ == 0.5);
+  if (from_zero_ && !implicit_.solvesOnce()) throw ComponentError("fromZeroAcceleration is of one linear solve", "newtonIterations=\"1\"");
   acceleration_.compile(system, "the first step of Newmark's method");
   for (Vector* vector : {&force_, &a_, &new_a_}) vector->resize(system.independentRows());
   for (std::vector<Vec3>* list : {&rates_, &new_rates_}) list->assign(implicit_.bodies().count(), Vec3::Zero());
@@ -142,6 +149,7 @@ StepReport NewmarkImplicitSolver::step(System& system, const StepContext& contex
   scheme.time = context.t_end;
   scheme.old_time = context.t;
   scheme.has_history = true;
+  scheme.from_predictor = from_zero_;
   copy(a_, implicit_.velocity_predictor);
   scale((1 - gamma_) * h, implicit_.velocity_predictor);
   copy(a_, implicit_.position_predictor);

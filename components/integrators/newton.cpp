@@ -245,6 +245,10 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
     }
     report.stopped = stop_.isStopAsked();
     if (report.stopped || (settings.fixed_count && done == settings.iterations)) return report;
+    if (settings.is_linear && done > 0 && isAtRoundOff(problem, now, report)) {  // corrections would be of round-off
+      report.linear_converged = true, report.linear_at_limit = false;
+      return report;
+    }
     if (report.newton_iterations > 0) keepIfBest(problem, now);
     constexpr double few_iterations = 6;
     was_slow_ = settings.leaves_slow && iterationsLeft() > few_iterations;

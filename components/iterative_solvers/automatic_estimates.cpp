@@ -61,10 +61,12 @@ double AutomaticInverse::setup(Way way) const {
 }
 
 /// Solves that a change should pay in: as many as there have been, as a run may end at any time, and at least those of a short one.
-/// Where nothing changes the matrix each solve is one of a step.
+/// Where nothing changes the matrix each solve is one of a step. Not more than the mesh is expected to live, as long as those before it.
 double AutomaticInverse::horizon() const {
   constexpr double short_run = 8;  // matrices
-  return short_run * (is_constant_ && isConstant() ? 1 : perMatrix()) + now_.solves;
+  const double each = is_constant_ && isConstant() ? 1 : perMatrix(), usual = short_run * each + now_.solves;
+  const double left = now_.lessons.lifetime - now_.matrices;
+  return left >= 0 && !now_.lessons.isEmpty() ? std::min(usual, left * each) : usual;
 }
 
 /// With an ordering where patterns change.
@@ -198,6 +200,7 @@ AutomaticInverse::Way AutomaticInverse::cheapest(double present, double left) co
     if (way == Way::factors && !is_known && worth_a_guess * other > solve(Way::direct)) continue;
     if (present < (way == Way::factors && left == 0 ? worth_by_drifts : worth_changing) * other) continue;
     const double gain = (present - other) * (horizon() + left / decades()) - setup(way);
+    if (is_guess_ && gain < setup(way)) continue;
     if (gain > best) best = gain, cheapest = way;
   }
   return cheapest;
@@ -212,7 +215,7 @@ bool AutomaticInverse::findCheaper(double rate, double left) {
   const double present = each + turning(now_.way) + again;
   estimateFactors();
   Way way = cheapest(present, left);
-  if (way == Way::multigrid && now_.blocks == 0)
+  if (way == Way::multigrid && now_.blocks == 0 && now_.lessons.blocks_each == 0)
     notePattern(), way = cheapest(present, left);
   if (isFactored(way) && !now_.is_counted) countFactors(), way = cheapest(present, left);
   if (way == now_.way) return false;

@@ -78,6 +78,9 @@ void AutomaticInverse::noteRate(double iterations, double gained, double part) {
   double& rate = now_.rates[at(now_.way)];
   double& spent = now_.spent[at(now_.way)];
   double& decades = now_.gained[at(now_.way)];
+  const bool was_guess = now_.way == Way::block_jacobi && now_.jacobi_is_guess;
+  if (now_.way == Way::block_jacobi) now_.jacobi_is_guess = leaves_ && (rate == 0 || was_guess);
+  if (was_guess && !leaves_) rate = 0;
   if (rate == 0 || leaves_) {
     rate = std::max(rate, iterations / gained * (leaves_ ? ofSlowStart(part) : 1));
     decades = gained, spent = rate * gained;
@@ -201,12 +204,21 @@ void AutomaticInverse::note(SystemMatrix& matrix) {
   now_.key = key;
   now_.product = matrix.productCost();
   if (!is_new) return;
+  if (now_.matrices == 1) chooseByLessons();
   followDrifts(matrix);
   if (!now_.drifts.isKnown() || now_.next != now_.way || now_.factor_solves > 0) return;
   if (!isDirect()) return void(findCheaper(now_.rates[at(now_.way)], 0));
   const double by_factors = solve(Way::factors), by_direct = solve(Way::direct);
   if (by_direct > worth_by_drifts * by_factors && (by_direct - by_factors) * horizon() > setup(Way::factors))
     now_.next = Way::factors;
+}
+
+/// For the first solve on a changed mesh. A rate that was only guessed is found out where little is to be gained.
+void AutomaticInverse::chooseByLessons() {
+  if (!may_change_ || rows_ < few_nodes || now_.way != Way::block_jacobi || now_.lessons.isEmpty()) return;
+  is_guess_ = now_.jacobi_is_guess;
+  findCheaper(now_.rates[at(Way::block_jacobi)], decades());
+  is_guess_ = false;
 }
 
 bool AutomaticInverse::follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
@@ -238,7 +250,9 @@ bool AutomaticInverse::refuse(SystemMatrix& matrix, SolveReport& report, StopTok
   return blocks_.follow(matrix, report, stop);
 }
 
+/// Factors that are refused are part of what the next ones cost.
 void AutomaticInverse::noteRefusal() {
+  if (isFactored(now_.way)) now_.given_up += now_.factor_costs.factor;
   if (++now_.refusals == most_refusals) change(Way::block_jacobi);
 }
 

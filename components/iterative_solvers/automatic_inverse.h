@@ -93,6 +93,21 @@ class AutomaticInverse final : public ApproximateInverse {
   /// In a row. An iteration of Newton's method tries up to nine matrices until one is definite.
   static constexpr int most_refusals = 20;
 
+  /// Of the meshes that a body had before the present one: a changed mesh restarts the rest. Iterations hardly differ from mesh to mesh.
+  struct Lessons {
+    double lifetime = 0;               ///< matrices of a mesh, a moving mean; 0: the mesh has not changed
+    double decades = 0;                ///< as in Memory, and the following
+    std::array<double, ways> rates{};
+    bool jacobi_is_guess = false;
+    double blocks_each = 0;            ///< of a row; 0: not known
+    double expected_rate = 0;
+    FactorCosts factor_costs;          ///< as they were counted; order 0: they were not
+    bool isEmpty() const { return lifetime == 0; }
+    /// `name`: of the numbers in the archive.
+    void serialize(const std::string& name, Archive& archive);
+    bool operator==(const Lessons&) const = default;
+  };
+
   /// What later solves depend on.
   struct Memory {
     Way way = Way::block_jacobi, next = Way::block_jacobi;  ///< from the next matrix or solve on
@@ -105,7 +120,7 @@ class AutomaticInverse final : public ApproximateInverse {
     int factor_solves = 0;             ///< these
     int factored_solves = 0;           ///< with those by the direct solver
     double fresh_rate = 0;             ///< iterations for a decade by factors of the very matrix
-    double given_up = 0;               ///< on a solve by former factors that new ones end [ns]
+    double given_up = 0;               ///< on solves by factors that others end, and on factors that are refused [ns]
     double product = 0;                ///< by the force fields [ns]; 0: not known
     int multigrid_solves = 0;
     int renewals = 0;                  ///< of hierarchies
@@ -117,12 +132,14 @@ class AutomaticInverse final : public ApproximateInverse {
     int refusals = 0;                  ///< in a row
     Index blocks = 0;                  ///< of the matrix; 0: its pattern is not known so far
     double expected_rate = least_multigrid_rate;  ///< of multigrid, by the pattern
+    bool jacobi_is_guess = false;      ///< its rate: no solve by it has come to its end
     bool may_factor = true;
     bool has_new_pattern = false;      ///< since the last solve by factors
     bool at_once = false;              ///< former factors do not serve: each matrix is factored
     FactorCosts factor_costs;          ///< estimated, and then those of the factors
     bool is_counted = false;           ///< these are not the least that the laws allow
     MatrixKey key;                     ///< of the last solve
+    Lessons lessons;
     void serialize(Archive& archive);
   };
   bool isRefused() const { return now_.refusals >= most_refusals; }
@@ -140,7 +157,10 @@ class AutomaticInverse final : public ApproximateInverse {
   double assembly() const { return IterationCosts::assembly(*matrix_); }
   bool isConstant() const;
   double direct() const;
-  double blocks() const { return now_.blocks > 0 ? double(now_.blocks) : IterationCosts::usual_blocks * rows_; }
+  double blocks() const {
+    const double each = now_.lessons.blocks_each > 0 ? now_.lessons.blocks_each : IterationCosts::usual_blocks;
+    return now_.blocks > 0 ? double(now_.blocks) : each * rows_;
+  }
   double solve(Way way) const;
   double byJacobi(double iterations) const;
   /// Factors of the very matrix take many iterations: what multiplies is not what was factored.
@@ -150,6 +170,9 @@ class AutomaticInverse final : public ApproximateInverse {
   double decades() const { return now_.decades > 0 ? now_.decades : -std::log10(target_); }
   double perMatrix() const { return std::max(sides_, double(now_.solves) / std::max(1, now_.matrices)); }
   double horizon() const;
+  Lessons lessonsOfAll() const;
+  void serializeLessons(Archive& archive);
+  void chooseByLessons();
   bool isSlow(int iterations, double residual);
   Way cheapest(double present, double left) const;
   bool findCheaper(double rate, double left);
@@ -180,6 +203,7 @@ class AutomaticInverse final : public ApproximateInverse {
   bool renews_ = false;     ///< for a new hierarchy
   bool is_constant_ = false;
   bool factored_ = false;   ///< in the solve that runs
+  bool is_guess_ = false;   ///< what the present way costs: another one has to gain twice as much
   bool by_blocks_ = false;  ///< the solve that runs is a second try
   Index rows_ = 0;
   SystemMatrix* matrix_ = nullptr;  ///< of the solve that runs

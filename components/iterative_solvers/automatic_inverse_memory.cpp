@@ -6,6 +6,9 @@
 
 namespace stroma {
 
+/// What the names of values begin with that outlive a change of the mesh (tools/session/carried_values.cpp).
+constexpr const char* after_mesh_changes = "after_mesh_changes";
+
 void AutomaticInverse::Memory::serialize(Archive& archive) {
   archive.value("auto_way", way);
   archive.value("auto_next", next);
@@ -33,15 +36,52 @@ void AutomaticInverse::Memory::serialize(Archive& archive) {
   archive.value("auto_refusals", refusals);
   archive.value("auto_blocks", blocks);
   archive.value("auto_expected_rate", expected_rate);
+  archive.value("auto_jacobi_is_guess", jacobi_is_guess);
   archive.value("auto_may_factor", may_factor);
   archive.value("auto_new_pattern", has_new_pattern);
   archive.value("auto_at_once", at_once);
   archive.value("auto_counted", is_counted);
-  archive.value("auto_single", factor_costs.is_single);
-  archive.value("auto_order", factor_costs.order);
-  archive.value("auto_factor", factor_costs.factor);
-  archive.value("auto_application", factor_costs.application);
-  archive.value("auto_entries", factor_costs.entries);
+  factor_costs.serialize("auto_", archive);
+  lessons.serialize("auto_lessons", archive);
+}
+
+void AutomaticInverse::Lessons::serialize(const std::string& name, Archive& archive) {
+  archive.value(name + "_lifetime", lifetime);
+  archive.value(name + "_decades", decades);
+  archive.rows(name + "_rates", rates.data(), rates.size());
+  archive.value(name + "_guess", jacobi_is_guess);
+  archive.value(name + "_blocks", blocks_each);
+  archive.value(name + "_expected_rate", expected_rate);
+  factor_costs.serialize(name + "_", archive);
+}
+
+/// With those of the present mesh.
+AutomaticInverse::Lessons AutomaticInverse::lessonsOfAll() const {
+  constexpr double newest = 0.5;  // its part in the mean
+  Lessons all = now_.lessons;
+  if (now_.matrices == 0) return all;
+  all.lifetime = all.isEmpty() ? now_.matrices : all.lifetime + newest * (now_.matrices - all.lifetime);
+  if (now_.decades > 0) all.decades = now_.decades;
+  for (const Way way : {Way::block_jacobi, Way::multigrid})
+    if (const double rate = now_.rates[at(way)]; rate > 0) all.rates[at(way)] = rate;
+  all.jacobi_is_guess = now_.jacobi_is_guess;
+  if (now_.is_counted) all.factor_costs = now_.factor_costs;
+  if (now_.blocks > 0) all.blocks_each = double(now_.blocks) / double(rows_), all.expected_rate = now_.expected_rate;
+  return all;
+}
+
+/// Where the mesh has changed, they are of the run before and the rest is that of a new solver.
+void AutomaticInverse::serializeLessons(Archive& archive) {
+  Lessons all = lessonsOfAll();
+  const Lessons own = all;
+  all.serialize(after_mesh_changes, archive);
+  if (!archive.isReading() || all == own) return;
+  now_.lessons = all;
+  now_.decades = all.decades, now_.rates = all.rates, now_.jacobi_is_guess = all.jacobi_is_guess;
+  if (all.expected_rate > 0) now_.expected_rate = all.expected_rate;
+  if (all.factor_costs.order > 0) now_.factor_costs = all.factor_costs, now_.is_counted = true;
+  for (std::size_t way = 0; way < ways; ++way)
+    if (all.rates[way] > 0) now_.gained[way] = all.decades, now_.spent[way] = all.rates[way] * all.decades;
 }
 
 void AutomaticInverse::serialize(SystemMatrix& matrix, Archive& archive) {
@@ -53,6 +93,8 @@ void AutomaticInverse::serialize(SystemMatrix& matrix, Archive& archive) {
     now_.key = has_same_pattern ? matrix.key() : MatrixKey{};
     if (!is_current) now_.key.values = -1;
   }
+  rows_ = matrix.rows();
+  serializeLessons(archive);
   if (now_.way == Way::multigrid) multigrid_.serialize(matrix, archive);
   if (now_.way == Way::factors) factors().serialize(matrix, archive);
 }

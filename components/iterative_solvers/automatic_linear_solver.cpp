@@ -70,7 +70,9 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   void serializeFor(SystemMatrix& matrix, Archive& archive) override;
   void keepFor(SystemMatrix& matrix) override;
   void takeBackFor(SystemMatrix& matrix) override;
-  void choose(SystemMatrix& matrix) override { keptFor(matrix); }
+  void choose(SystemMatrix& matrix) override {
+    isInScene() ? void(keptFor(matrix)) : void(estimates_ = estimateSolves(matrix, amg::hardlySmooths(matrix.assemble())));
+  }
   std::string choice() const override { return choice_; }
 
  private:
@@ -90,6 +92,7 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
     RowScales scales;
     Vector unscaled, right_side;  ///< where there are scales
   };
+  bool isInScene() const { return path().front() == '/'; }  ///< one of makeUsual() has no node
   Kept& keptFor(SystemMatrix& matrix);
   /// That of the scene; else one that is made when it is first wanted: its module is not opened for multigrid.
   DirectSolver& factors() {
@@ -120,6 +123,7 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   DirectSolver* direct_ = nullptr;          ///< null: none in the scene, and not needed so far
   std::unique_ptr<Component> own_factors_;  ///< what direct_ is where the scene has none
   std::string choice_;
+  std::vector<double> estimates_;
   int changes_ = 0;
   int most_expected_ = 0;  ///< iterations of a solve to the tolerance
   PerMatrix<Kept> kept_;
@@ -130,6 +134,7 @@ void AutomaticLinearSolver::declare(DataTable& table) {
   table.addLink("directSolver", factors_)
       .help("what factors; without it, the direct solver of the same node, or one of its own once factors are wanted");
   table.add("choice", choice_).help("what was chosen, and why").output();
+  table.add("estimates", estimates_).help("what parts of solves are estimated to take, for programs").unit("s").output();
   table.add("changes", changes_).help("how often a choice proved wrong and was changed").unit("-").output();
 }
 
@@ -137,9 +142,9 @@ void AutomaticLinearSolver::init() {
   expected_iterations_ = 15;
   KrylovSolver::init();
   most_expected_ = expected_iterations_;
-  const auto factors = [](const auto& component) { return dynamic_cast<const DirectSolver*>(component.get()) != nullptr; };
-  const bool has_factors = std::ranges::any_of(node().components(), factors);
-  if (has_factors || !factors_.path.empty()) direct_ = &factorSource(*this, factors_);
+  const auto factors = [](const auto& one) { return dynamic_cast<const DirectSolver*>(one.get()) != nullptr; };
+  if (!factors_.path.empty() || (isInScene() && std::ranges::any_of(node().components(), factors)))
+    direct_ = &factorSource(*this, factors_);
 }
 
 AutomaticLinearSolver::Kept& AutomaticLinearSolver::keptFor(SystemMatrix& matrix) {
@@ -245,8 +250,8 @@ SolveReport AutomaticLinearSolver::minimalResiduals(const SystemMatrix& matrix, 
   return report;
 }
 
-/// By conjugate gradients with factors of a former matrix, for as many iterations as they have saved so far; else, or where that gets
-/// nowhere, with factors of this very matrix and to their accuracy. A decade of the residual costs less by former factors than an iteration
+/// By conjugate gradients with factors of a former matrix, for as many iterations as they have saved so far; else, or where that fails,
+/// with factors of this very matrix and to their accuracy. A decade of the residual costs less by former factors than an iteration
 /// of Newton's method does: solves are not as loose as by multigrid. False: factors of each matrix are to do it.
 bool AutomaticLinearSolver::iterateWithFactors(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept,
                                                SolveReport& report) {
@@ -308,8 +313,7 @@ SolveReport AutomaticLinearSolver::solveByFactors(SystemMatrix& matrix, ConstRow
 }
 
 void AutomaticLinearSolver::changeToFactors(Kept& kept) {
-  kept.now.way = Way::factors;
-  kept.inverse.reset(), kept.former.reset();
+  kept.now.way = Way::factors, kept.inverse.reset(), kept.former.reset();
   factors();
   tellChoice(kept);
 }
@@ -317,14 +321,10 @@ void AutomaticLinearSolver::changeToFactors(Kept& kept) {
 SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   Kept& kept = keptFor(matrix);
   if (std::exchange(kept.now.is_close, false) && amg::hardlySmooths(matrix.assemble())) {
-    kept.now.is_rough = true;
-    changeToFactors(kept);
+    kept.now.is_rough = true, changeToFactors(kept);
   }
   if (kept.now.way == Way::factors) return solveByFactors(matrix, b, x, terms, kept);
-  if (const bool now = matrix.symmetric(); now != kept.symmetric) {
-    kept.symmetric = now;
-    tellChoice(kept);
-  }
+  if (const bool now = matrix.symmetric(); now != kept.symmetric) kept.symmetric = now, tellChoice(kept);
   constexpr double little = 1e-6;
   const auto isHopeless = [&](const SolveReport& solve) {
     if (solve.stop == SolveStop::iteration_limit) return solve.iterations == patienceOf(kept);

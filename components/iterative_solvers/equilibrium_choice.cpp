@@ -47,6 +47,20 @@ EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool de
   return choice;
 }
 
+std::vector<double> estimateSolves(SystemMatrix& matrix, bool has_patches) {
+  constexpr double nanosecond = 1e-9, refined = 2;
+  const BlockMatrix& pattern = matrix.pattern();
+  const double rows = pattern.rows(), blocks = pattern.blocks();
+  const FactorCounts counts = fewest(pattern, dissected(blocks, countFactors(pattern)), extentsOf(pattern.rows(), matrix.positions()));
+  const SolverCosts costs = solverCosts(matrix, counts, 2);  // of one solve and of a later one
+  const FactorCosts factors = factorCosts(rows, blocks, counts);
+  const double cycle = nanosecond * IterationCosts::cycle(rows, blocks), iteration = costs.iteration - cycle;
+  const double application = nanosecond * factors.application * (factors.is_single ? refined : 1);
+  const double factorisation = nanosecond * (factors.factor + IterationCosts::assembly(matrix));
+  const double times = has_patches ? IterationCosts::with_patches : 1, fit = factorsFit(counts.entries);
+  return {iteration, cycle, application, costs.setup, costs.first - factorisation, factorisation, costs.with_factors, times, fit};
+}
+
 double roundOff(const SystemMatrix& matrix, ConstRows b, ConstRows x) {
   std::vector<double> blocks;
   matrix.diagonalBlocks(blocks);

@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <string>
+#include <vector>
 
 #include "components/iterative_solvers/solver_costs.h"
 #include "components/iterative_solvers/warped_factor.h"
@@ -88,6 +89,9 @@ struct EquilibriumChoice {
 /// The first choice for a matrix, by estimates from its counts; `costs` are theirs, `reason` says them in words. Factors are for
 /// `most_factored` rows at most, and serve later matrices only where these change with the state.
 EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool depends_on_state, SolverCosts& costs, std::string& reason);
+
+/// The output `estimates` of AutomaticLinearSolver. `has_patches`: a hierarchy needs them.
+std::vector<double> estimateSolves(SystemMatrix& matrix, bool has_patches);
 
 /// The |b - A x| / |b| that round-off leaves, whatever solves: that of D x, D the diagonal blocks.
 double roundOff(const SystemMatrix& matrix, ConstRows b, ConstRows x);

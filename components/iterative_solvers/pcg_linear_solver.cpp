@@ -28,6 +28,8 @@
 // than others would stay where they are: see CGLinearSolver), after `iterations` products, when b = 0, when a number is not finite, and
 // when the matrix shows itself to be singular or not definite; x then keeps the last iterate. Where |r| of the recurrence is
 // small enough, b - A x itself is computed, and the iteration goes on from there if round-off kept it larger.
+// With endsBySquares it stops as SOFA's does, when r.B r <= tolerance b.b, which depends on the units of the scene and, without a
+// preconditioner, is |r| <= sqrt(tolerance) |b|.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -85,6 +87,7 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
     LightRows light;
   };
   SolveReport iterate(SystemMatrix& matrix, ConstRows b, Rows x, Kept& kept);
+  SolveReport iterateBySquares(const SystemMatrix& matrix, ConstRows b, Rows x, Kept& kept);
   std::unique_ptr<ApproximateInverse> makeInverse() const;
   DirectSolver& ownFactors() const;
   /// Of preconditioner auto; the text is made when it changes.
@@ -95,6 +98,7 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
   }
 
   bool use_ = true, may_change_ = true;
+  bool ends_by_squares_ = false;
   std::optional<bool> is_constant_;  ///< nothing in the scene changes a matrix; asked in the first solve
   MatrixKey constant_;               ///< asked again where another one is solved: an edit may have changed what it is made of
   std::string choice_;
@@ -118,6 +122,8 @@ void PCGLinearSolver::declare(DataTable& table) {
       .help(
           "auto (the default), none, jacobi, block_jacobi, ssor, incomplete_cholesky, warped, multigrid, or a link to "
           "a preconditioner");
+  table.add("endsBySquares", ends_by_squares_)
+      .help("stop when r.B r <= tolerance b.b, as SOFA does; B is the preconditioner, and the test depends on the units of the scene");
   table.add("choice", choice_).help("of preconditioner auto: what preconditions, and why").output();
   table.add("changes", changes_).help("how often preconditioner auto changed its choice").unit("-").output();
   table.add("shift", shift_)
@@ -134,6 +140,8 @@ void PCGLinearSolver::init() {
   if (use_ && link_.path == "multigrid") expected_iterations_ = 15;
   KrylovSolver::init();
   if (use_) link_.get();  // ready before the first solve
+  if (ends_by_squares_ && use_ && link_.path == "auto")
+    throw ComponentError("endsBySquares needs a preconditioner that does not change", "preconditioner=\"none\" or another word or a link");
   may_change_ = !data().find("iterations")->isSet() && data().find("template")->print() != "GraphScattered";
   tellFirstChoice();
   if (use_ && link_.path == "warped") factor_source_ = &factorSource(*this, factors_);
@@ -227,7 +235,7 @@ SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, co
     else if (automatic && automatic->isDirect())
       report = solveDirectly(matrix, b, x, *automatic, work);
     else
-      report = iterate(matrix, b, x, kept);
+      report = ends_by_squares_ ? iterateBySquares(matrix, b, x, kept) : iterate(matrix, b, x, kept);
     report.iterations += before;
     factorisations_ += prepared.factored || report.factored;
     factored = factored || prepared.factored || report.factored;
@@ -298,6 +306,38 @@ void PCGLinearSolver::refine(SystemMatrix& matrix, ConstRows b, Rows x, cg::Dire
   report.stop = ends_so ? further.stop : SolveStop::stagnated;
   report.relative_residual = further.relative_residual / norm_b_;
   report.iterations += further.iterations;
+}
+
+/// SOFA's loop, with its end.
+SolveReport PCGLinearSolver::iterateBySquares(const SystemMatrix& matrix, ConstRows b, Rows x, Kept& kept) {
+  auto& [r, p, q, z] = kept.work;
+  ApproximateInverse* const inverse = kept.inverse.get();
+  const auto precondition = [&](Rows out) { inverse ? inverse->apply(r, out) : copy(r, out); };
+  SolveReport report;
+  residual(matrix, b, x, r, q);
+  precondition(p);
+  const double enough = tolerance() * norm_b_ * norm_b_;
+  double rho = dot(r, p), square = norm_b_ * norm_b_;
+  while (report.iterations < iterations_ && rho > enough && !isStopAsked()) {
+    product(matrix, p, q);
+    ++report.iterations;
+    const double alpha = rho / dot(p, q);
+    axpy(alpha, p, x);
+    square = cg::reduceResidual(alpha, q, r);
+    record(std::sqrt(square) / norm_b_);
+    precondition(z);
+    const double before = rho;
+    rho = dot(r, z);
+    if (!std::isfinite(alpha) || !std::isfinite(rho)) break;
+    scale(rho / before, p), axpy(1, z, p);
+  }
+  report.stop = !std::isfinite(rho)  ? SolveStop::not_finite
+                : isStopAsked()      ? SolveStop::stopped
+                : rho <= enough      ? SolveStop::converged
+                                     : SolveStop::iteration_limit;
+  report.relative_residual = std::sqrt(square) / norm_b_;
+  if (inverse && report.stop != SolveStop::stopped) inverse->solved(report);
+  return report;
 }
 
 /// From x on, with at most so many products, or as many as the inverse has patience for.

@@ -4,7 +4,8 @@
 //
 //   Jacobi              B = diag(A)^-1
 //   BlockJacobi         B = D^-1, D the 3x3 diagonal blocks of the nodes
-//   SSOR                B^-1 = 1 / (omega (2 - omega)) (D + omega L) D^-1 (D + omega L^T),   A = L + D + L^T in blocks
+//   SSOR                B^-1 = 1 / (omega (2 - omega)) (D + omega L) D^-1 (D + omega L^T),   A = L + D + L^T in blocks;
+//                       scalar="true": in numbers, with L and L^T exchanged
 //   IncompleteCholesky  B^-1 = L L^T with the pattern of the lower triangle of A in blocks (Meijerink and van der Vorst
 //                       1977); where a pivot is not positive definite, A + shift D is factored instead, shift growing
 //                       from 0.001 by factors of 4 (Manteuffel 1980): the attribute `shift` says with which it worked
@@ -38,11 +39,16 @@ class SSORPreconditioner final : public Preconditioner {
  public:
   void declare(DataTable& table) override {
     table.add("omega", omega_).help("relaxation factor").unit("-").min(0, false).max(2, false);
+    table.add("scalar", scalar_).help("sweeps over single numbers, the upper triangle first, as SOFA's are");
   }
-  std::unique_ptr<ApproximateInverse> makeInverse() const override { return std::make_unique<Ssor>(omega_); }
+  std::unique_ptr<ApproximateInverse> makeInverse() const override {
+    if (scalar_) return std::make_unique<ScalarSsor>(omega_);
+    return std::make_unique<Ssor>(omega_);
+  }
 
  private:
   double omega_ = 1;
+  bool scalar_ = false;
 };
 
 }  // namespace

@@ -60,6 +60,14 @@ void SolverCosts::serialize(Archive& archive) {
   archive.value("cost_iteration", iteration);
 }
 
+void FactorCosts::serialize(const std::string& name, Archive& archive) {
+  archive.value(name + "single", is_single);
+  archive.value(name + "order", order);
+  archive.value(name + "factor", factor);
+  archive.value(name + "application", application);
+  archive.value(name + "entries", entries);
+}
+
 Extents extentsOf(Index nodes, ConstRows positions) {
   const double side = std::cbrt(double(nodes));
   if (positions.count != nodes || nodes < 2) return {side, side, side};
@@ -139,7 +147,7 @@ FactorCosts factorCosts(double rows, double blocks, const FactorCounts& counts, 
   const auto [entries, flops] = counts;
   const bool is_single = in_single || flops >= std::max(5e7, 180 * entries);
   FactorCosts costs;
-  costs.order = IterationCosts::order(blocks, counts);
+  costs.order = IterationCosts::order(rows, blocks, counts);
   const Factorisation::Cost own = Factorisation::Cost::of(entries, flops, is_single);
   costs.factor = own.factor / nanosecond;
   costs.application = own.apply / nanosecond + FactorCosts::turning * rows;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <algorithm>
+#include <string>
 
 #include "components/iterative_solvers/factor_counts.h"
 #include "framework/algebra/linear_solver.h"
@@ -51,6 +52,9 @@ struct FactorCosts {
   static constexpr double turning = 40;  ///< of these, for a row
   double entries = 0;      ///< numbers in the factors
   bool is_single = false;  ///< so that a solve has to be refined
+  bool operator==(const FactorCosts&) const = default;
+  /// `name`: what the names of the values begin with.
+  void serialize(const std::string& name, Archive& archive);
 };
 /// `in_single`: in single precision in any case, which costs least.
 FactorCosts factorCosts(double rows, double blocks, const FactorCounts& counts, bool in_single = false);
@@ -88,8 +92,8 @@ struct IterationCosts {
     return told >= 0 && told < of_products ? told + 30.0 * matrix.rows() : assembly(double(matrix.rows()));
   }
   /// Of a direct solver, with the analysis.
-  static double order(double blocks, const FactorCounts& counts) {
-    return 5e5 + (isDissected(blocks, counts) ? 430 : 80) * blocks;
+  static double order(double rows, double blocks, const FactorCounts& counts) {
+    return 5e5 + (isDissected(blocks, counts) ? 6000 * rows + 150 * blocks : 80 * blocks);
   }
   static double pattern(double rows, double blocks) { return 2500 * rows + 150 * blocks; }
   /// Of the first factors: a module with its libraries, and memory that the system has to give.

@@ -102,6 +102,20 @@ class BlockJacobiInverse final : public FollowingInverse {
   cg::BlockJacobi jacobi_;
 };
 
+/// The sum of the blocks [first, last) of a row times z.
+inline Vec3 sumOfBlocks(const BlockMatrix& matrix, ConstRows z, Index first, Index last) {
+  const double* __restrict v = matrix.values().data();
+  double s0 = 0, s1 = 0, s2 = 0;
+  for (Index s = first; s < last; ++s) {
+    const double* m = v + std::size_t(s) * 9;
+    const double* p = z.data + std::size_t(matrix.columns()[s]) * row_doubles;
+    s0 += m[0] * p[0] + m[1] * p[1] + m[2] * p[2];
+    s1 += m[3] * p[0] + m[4] * p[1] + m[5] * p[2];
+    s2 += m[6] * p[0] + m[7] * p[1] + m[8] * p[2];
+  }
+  return {s0, s1, s2};
+}
+
 /// Symmetric successive over-relaxation with A = L + D + L^T, D the blocks of the nodes (Axelsson 1996, section 7.4):
 ///   B^-1 = 1 / (w (2 - w)) (D + w L) D^-1 (D + w L^T).
 class Ssor final : public FollowingInverse {
@@ -114,9 +128,9 @@ class Ssor final : public FollowingInverse {
     const Index rows = a.rows();
     const double factor = omega_ * (2 - omega_);
     for (Index i = 0; i < rows; ++i)
-      z[i] = inverse_[i] * (factor * r[i] - omega_ * sum(z, a.rowStart()[i], a.diagonal()[i]));
+      z[i] = inverse_[i] * (factor * r[i] - omega_ * sumOfBlocks(a, z, a.rowStart()[i], a.diagonal()[i]));
     for (Index i = rows - 1; i >= 0; --i)
-      z[i] -= omega_ * (inverse_[i] * sum(z, a.diagonal()[i] + 1, a.rowStart()[i + 1]));
+      z[i] -= omega_ * (inverse_[i] * sumOfBlocks(a, z, a.diagonal()[i] + 1, a.rowStart()[i + 1]));
   }
 
  protected:
@@ -133,25 +147,58 @@ class Ssor final : public FollowingInverse {
   }
 
  private:
-  /// The sum of the blocks [first, last) of a row times z.
-  Vec3 sum(ConstRows z, Index first, Index last) const {
-    const double* __restrict v = matrix_->values().data();
-    double s0 = 0, s1 = 0, s2 = 0;
-    for (Index s = first; s < last; ++s) {
-      const double* m = v + std::size_t(s) * 9;
-      const double* p = z.data + std::size_t(matrix_->columns()[s]) * row_doubles;
-      s0 += m[0] * p[0] + m[1] * p[1] + m[2] * p[2];
-      s1 += m[3] * p[0] + m[4] * p[1] + m[5] * p[2];
-      s2 += m[6] * p[0] + m[7] * p[1] + m[8] * p[2];
-    }
-    return {s0, s1, s2};
-  }
-
   /// The over-relaxation w.
   double omega_;
   /// The system's assembled matrix: not owned, read in every apply().
   const BlockMatrix* matrix_ = nullptr;
   std::vector<Mat3> inverse_;  ///< shape (rows), of the diagonal blocks
+};
+
+/// The same with D the numbers of the diagonal, and the upper triangle first: B^-1 = 1 / (w (2 - w)) (D + w L^T) D^-1 (D + w L).
+class ScalarSsor final : public FollowingInverse {
+ public:
+  explicit ScalarSsor(double omega = 1) : omega_(omega) {}
+
+  void apply(ConstRows r, Rows z) override {
+    const BlockMatrix& a = *matrix_;
+    for (Index i = a.rows() - 1; i >= 0; --i) {
+      const RowBlock own = blockAt(a.values(), a.diagonal()[i]);
+      const Vec3 later = sumOfBlocks(a, z, a.diagonal()[i] + 1, a.rowStart()[i + 1]);
+      Vec3 now = Vec3::Zero();
+      for (int c = 2; c >= 0; --c) now[c] = omega_ * (r[i][c] - later[c] - own.row(c).dot(now)) * inverse_[i][c];
+      z[i] = now;
+    }
+    for (Index i = 0; i < a.rows(); ++i) {
+      const RowBlock own = blockAt(a.values(), a.diagonal()[i]);
+      const Vec3 former = sumOfBlocks(a, z, a.rowStart()[i], a.diagonal()[i]);
+      Vec3 change = Vec3::Zero(), now = Vec3::Zero();
+      for (int c = 0; c < 3; ++c) {
+        change[c] = omega_ * (former[c] + own.row(c).dot(now)) * inverse_[i][c];
+        now[c] = z[i][c] - change[c];
+      }
+      z[i] = now;
+    }
+    if (omega_ != 1)
+      for (Index i = 0; i < a.rows(); ++i) z[i] *= 2 - omega_;
+  }
+
+ protected:
+  void look(SystemMatrix& matrix) override { matrix_ = &matrix.assemble(); }
+  bool make(SystemMatrix& matrix, SolveReport& report) override {
+    look(matrix);
+    inverse_.resize(matrix.rows());
+    for (Index row = 0; row < matrix.rows(); ++row) {
+      const Vec3 diagonal = blockAt(matrix_->values(), matrix_->diagonal()[row]).diagonal();
+      if (!(diagonal.minCoeff() > 0 && diagonal.allFinite())) return refuse(row, report);
+      inverse_[row] = diagonal.cwiseInverse();
+    }
+    return true;
+  }
+
+ private:
+  double omega_;
+  const BlockMatrix* matrix_ = nullptr;  ///< as in Ssor
+  std::vector<Vec3> inverse_;            ///< shape (rows)
 };
 
 }  // namespace stroma

@@ -21,6 +21,10 @@
 // nonlinear, and BarrierContact does not accept surfaces on such frames, because their distance from the straight path of a
 // step has no bound.
 //
+// With cellsOf = grid the cells of a RegularGridTopology or SparseGridTopology are where the grid is written, and not where the body
+// starts; with moved_grid the grid is moved first, without scale and turn, so that its first node is the body's at rest. In SOFA the
+// points of grids are found so.
+//
 // Points without forces are only updated after steps in which they are read, and cost nothing otherwise.
 //
 // Source: the attributes are SOFA's, and so are embedded frames; forces and torques pass here by the exact Jacobian.
@@ -70,6 +74,10 @@ class BarycentricMapping final : public WeightedMapping {
     table.addLink("output_topology", output_topology_).help("SOFA's; without effect: the points are those of output");
     table.addChoice("foundBy", found_by_, {"nearest", "centres"})
         .help("which cell a point outside of all belongs to: the nearest, or the one with the nearest centre, as in SOFA");
+    table.addChoice("cellsOf", cells_of_, {"start", "grid", "moved_grid"})
+        .help(
+            "where the cells of a grid are searched: where the body starts, where the grid is written, or there moved so that its first "
+            "node is the body's at rest");
     table.add("useRestPosition", from_rest_).help("find the cells at rest instead of at the start");
   }
 
@@ -83,7 +91,12 @@ class BarycentricMapping final : public WeightedMapping {
     if (!topology)
       throw ComponentError(fmt::format("{} has no mesh", input().path()), "a topology, or input_topology=\"@path\"");
     double size = 0;
-    const std::vector<Vec3>& body = from_rest_ ? input().rest_position : input().position;
+    std::vector<Vec3> grid = topology->mesh().position;
+    const bool by_grid = cells_of_ != CellsOf::start && grid.size() == input().position.size() &&
+                         (topology->type() == "RegularGridTopology" || topology->type() == "SparseGridTopology");
+    const Vec3 way = by_grid && cells_of_ == CellsOf::moved_grid ? Vec3(input().rest_position[0] - grid[0]) : Vec3(Vec3::Zero());
+    for (Vec3& place : grid) place += way;
+    const std::vector<Vec3>& body = by_grid ? grid : from_rest_ ? input().rest_position : input().position;
     const std::vector<Vec3> points = nodePlaces(output(), from_rest_ ? output().rest_position : output().position);
     const bool by_centres = found_by_ == FoundBy::centres && !output().hasFrames() && findsByCentres(*topology);
     const std::vector<EmbeddedPoint> found =
@@ -200,6 +213,7 @@ class BarycentricMapping final : public WeightedMapping {
   Link<Topology> input_topology_{"topology"}, output_topology_{"topology"};
   bool from_rest_ = false;
   enum class FoundBy : int { nearest, centres } found_by_ = FoundBy::nearest;
+  enum class CellsOf : int { start, grid, moved_grid } cells_of_ = CellsOf::start;
   CellTurns turns_;
 };
 

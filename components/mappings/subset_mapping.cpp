@@ -5,7 +5,7 @@
 //
 // p(c) are the `indices`; or the nodes from `first` to `last`; or, when neither is given, the node nearest to each
 // node's initial position, which must be within `radius` of it. With the first two a state may be without positions: it gets
-// those of the nodes that it follows.
+// those of the nodes that it follows; with resizes also a state with a different number of nodes.
 //
 // ignoreNotFound: a node that is not near any other stays at its initial position, and forces on it are lost. Otherwise this
 // is an error.
@@ -46,13 +46,14 @@ class SubsetMapping final : public WeightedMapping {
         .help("largest distance of a node from the one it follows, if neither is given")
         .unit("m")
         .min(0);
+    table.add("resizes", resizes_).help("a state of another number of nodes gets those of indices or of the range, as in SOFA");
     table.add("ignoreNotFound", may_stay_).help("a node farther than radius from all others stays where it starts");
   }
 
   void init() override {
     WeightedMapping::init();
     const std::vector<Index> nodes = chosen();
-    takeNodesOf(input(), nodes, output());
+    takeNodesOf(input(), nodes, output(), resizes_);
     if (Index(nodes.size()) != output().nodes())
       throw ComponentError(
           fmt::format("{} has {} nodes, and {} are to be followed", output().path(), output().nodes(), nodes.size()),
@@ -126,7 +127,7 @@ class SubsetMapping final : public WeightedMapping {
   std::vector<int> indices_;
   int first_ = 0, last_ = 0;
   double radius_ = 1e-5;
-  bool may_stay_ = false;
+  bool may_stay_ = false, resizes_ = false;
   std::vector<Index> staying_;  ///< rows of output() that follow nothing
 };
 

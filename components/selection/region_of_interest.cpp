@@ -49,27 +49,31 @@ namespace stroma {
 void RegionOfInterest::declare(DataTable& table) {
   table.add("position", position_).alias("rest_position").unit("m").help("nodes tested; default: those of the state or topology");
   table.add("strict", strict_).help("a cell is inside when all its nodes are; false: when its centre is");
-  table.add("allowEmpty", allow_empty_).help("an empty selection is no error");
+  table.add("allowEmpty", allow_empty_).help("an empty selection is no error, nor are no nodes to select from");
   table.add("exactBorder", exact_).help("borders are not widened for round-off, as in SOFA");
   forEachCellList(
       [&table](const CellKind& kind, auto& selection) {
         std::string word(kind.plural);
         word[0] = char(std::toupper(static_cast<unsigned char>(word[0])));
-        table.add("compute" + word, selection.wanted).help(fmt::format("select {}", kind.plural));
+        Data& wanted = table.add("compute" + word, selection.wanted).help(fmt::format("select {}", kind.plural));
+        if (kind.type == CellType::quad) wanted.alias("computeQuad");
       },
       cells_);
   table.add("doUpdate", update_).help("accepted for SOFA's scenes: the selection is made once, at rest");
   forEachCellList(
       [&table](const CellKind& kind, auto& selection) {
         const std::string one(kind.singular), many(kind.plural);
-        addCellList(table, kind, selection.cells).help(many + " tested; default: those of the topology");
+        const bool is_quad = kind.type == CellType::quad;  // SOFA's lists of these have other names
+        Data& tested = addCellList(table, kind, selection.cells).help(many + " tested; default: those of the topology");
+        if (is_quad) tested.alias("quad");
         table.add(one + "Indices", selection.indices).help(many + " inside, by index").output();
         table.add(one + "OutIndices", selection.outside).help(many + " outside, by index").output();
-        table.add(many + "InROI", selection.inside_cells).help(many + " inside, by nodes").output();
+        Data& inside = table.add(many + "InROI", selection.inside_cells).help(many + " inside, by nodes").output();
+        if (is_quad) inside.alias("quadInROI");
         table.add(many + "OutROI", selection.outside_cells).help(many + " outside, by nodes").output();
       },
       cells_);
-  table.add("indices", indices_).help("nodes inside, ascending").output();
+  table.add("indices", indices_).alias("pointIndices").help("nodes inside, ascending").output();
   table.add("indicesOut", outside_).alias("indicesOutside").help("nodes outside, ascending").output();
   table.add("pointsInROI", points_inside_).unit("m").help("positions of the nodes inside").output();
   table.add("pointsOutROI", points_outside_).unit("m").help("positions of the nodes outside").output();
@@ -83,7 +87,7 @@ void RegionOfInterest::init() {
   forget();
   prepare();
   findPositions();
-  takeCells();
+  if (!position_.empty()) takeCells();
   for (const Vec3& p : position_) around_.extend(p);
   inside_.resize(position_.size());
   for (std::size_t n = 0; n < position_.size(); ++n) {
@@ -95,7 +99,7 @@ void RegionOfInterest::init() {
   bool any_cell = false;
   forEachCellList(
       [&](const CellKind&, auto& selection) {
-        if (selection.wanted) select(selection);
+        if (selection.wanted && !position_.empty()) select(selection);
         any_cell = any_cell || !selection.indices.empty();
       },
       cells_);
@@ -121,13 +125,13 @@ void RegionOfInterest::forget() {
 
 void RegionOfInterest::findPositions() {
   const bool is_given = data().find("position")->isSet();
-  if (is_given && position_.empty()) throw ComponentError("position is empty", "a list of nodes");
+  if (is_given && position_.empty() && !allow_empty_) throw ComponentError("position is empty", "a list of nodes");
   if (is_given) return;
   for (const bool upwards : {false, true}) {
     if (const auto* state = find<State>(upwards)) return void(position_ = nodePlaces(*state, state->rest_position));
     if (const auto* topology = firstTopology(*this, upwards)) return void(position_ = topology->mesh().position);
   }
-  throw ComponentError("there are no nodes to select from", "a state or topology in the node or above, or position");
+  if (!allow_empty_) throw ComponentError("there are no nodes to select from", "a state or topology in the node or above, or position");
 }
 
 void RegionOfInterest::takeCells() {

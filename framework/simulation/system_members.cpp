@@ -100,15 +100,16 @@ class SystemSearch {
     }
   }
 
-  /// One system for both, which the first integrator moves: a different time integration causes a warning, different
-  /// damping would change the motion.
+  /// One system for both, which the first integrator moves, or one with a precomputed matrix: a different time integration causes a
+  /// warning, different damping would change the motion.
   void couple(const Component& actor, const State& a, const State& b) {
     const std::size_t first = ownerOf(&a), second = ownerOf(&b);
     if (leaderOf(first) == leaderOf(second)) return;
-    const auto [low, high] = std::minmax({leaderOf(first), leaderOf(second)});
-    tellDifference(actor, a, b, *integrators_[low], *integrators_[high], diagnostics_);
-    leader_[high] = low;
-    because_[high] = actor.path();
+    auto [leads, follows] = std::minmax({leaderOf(first), leaderOf(second)});
+    if (integrators_[follows]->stateOwner() && !integrators_[leads]->stateOwner()) std::swap(leads, follows);
+    tellDifference(actor, a, b, *integrators_[leads], *integrators_[follows], diagnostics_);
+    leader_[follows] = leads;
+    because_[follows] = actor.path();
   }
 
   /// The integrator that moves a state, or what something acts on; else nobody.

@@ -57,7 +57,7 @@ TEST(Pressures, CornersOfQuadsStandForTheirBilinearFunctions) {
       mesh.quads.push_back(quad);
     }
   contact::Surfaces surfaces;
-  surfaces.addObstacle(mesh);
+  surfaces.addObstacle(mesh, mesh.position);
   surfaces.finish();
   double sum = 0, all = 0;
   for (std::size_t f = 0; f < surfaces.faces.size(); ++f) {
@@ -83,7 +83,7 @@ TEST(Pressures, SharesAreThoseOfWhereTheyWereWeighed) {
   mesh.triangles = {{0, 1, 2}};
   contact::BarrierLaw law;
   law.range = 2, law.stiffness = 1;
-  law.surfaces.addObstacle(mesh);
+  law.surfaces.addObstacle(mesh, mesh.position);
   law.surfaces.rows = {0, 1, 2};
   law.surfaces.finish();
   law.planes.push_back({Vec3::UnitZ(), 0});

@@ -376,3 +376,23 @@ TEST(StaticSolver, ABodyHeldAtANodeOrALineTurnsAboutIt) {
   for (const std::string word : {"not held against rotation about the axis (0.707 0 -0.707) through (0 0 0)", "a torque of 7.07 N m"})
     EXPECT_NE(node.find(word), std::string::npos) << node;
 }
+
+/// Corrections of what round-off leaves are not made. Deflections of linear bars are as the inverse of their stiffness.
+TEST(StaticSolver, LinearForcesAreSolvedOnceWhereRoundOffIsLeft) {
+  const auto sunk = [](double young, int most) {
+    Simulation simulation = simulationFromText(fmt::format(
+        R"(<Node name="root" dt="1" gravity="0 -9.81 0"><StaticSolver/><RegularGridTopology name="grid" n="81 5 5" min="0 0 0"
+             max="2.8 0.14 0.14"/><MechanicalObject/><UniformMass totalMass="55"/><BoxROI name="b" box="-0.001 -1 -1 0.001 1 1"/>
+           <FixedProjectiveConstraint indices="@b.indices"/><Node name="cells"><TetrahedronSetTopologyContainer name="t"/>
+             <Hexa2TetraTopologicalMapping input="@../grid" output="@t" cutting="five"/>
+             <TetrahedronFEMForceField topology="@t" youngModulus="{}" poissonRatio="0.45" method="small"/></Node></Node>)",
+        young));
+    const StepReport report = simulation.step();
+    EXPECT_TRUE(report.newton_converged && report.linear_converged) << report.reason;
+    EXPECT_LE(report.newton_iterations, most) << young;
+    const Index end = 80;
+    return young * (simulation.states()[0]->rest_position[std::size_t(end)].y() - simulation.states()[0]->x()[end].y());
+  };
+  const double soft = sunk(1e6, 3);
+  EXPECT_NEAR(sunk(1e11, 1), soft, 1e-5 * soft);
+}

@@ -36,7 +36,7 @@ READERS_OF_FAMILIES = {
 # Tools whose library another one links.
 TOOLS_FOR_TOOLS = {
     "command": {"mesh", "view", "picture", "drawing", "sweep", "stress", "profile", "session", "plan", "units", "checks",
-                "platform"},
+                "platform", "sofa"},
     "view": {"drawing", "session", "plan", "scene_writer", "checks", "units", "platform"},
     "picture": {"drawing", "units", "platform"},
     "sweep": {"session", "platform"},
@@ -45,6 +45,7 @@ TOOLS_FOR_TOOLS = {
     "live": {"platform"},
     "bench": {"platform"},
     "recordings": {"platform"},
+    "sofa": {"platform"},
     "session": {"checks", "mesh_report", "units"},
     "scene_writer": {"session"},
     "plan": {"units"},

@@ -35,7 +35,7 @@ def euler(x, mass, forces, steps, h, v=None, held=(), theta=1.0, rayleigh_mass=0
         dv = np.zeros(3 * n)
         if cg:
             P = np.diag(free.astype(float))
-            dv = conjugate_gradients(P @ A @ P, b, *cg, first=step == 0)
+            dv = cg(P @ A @ P, b, step == 0) if callable(cg) else conjugate_gradients(P @ A @ P, b, *cg, first=step == 0)
         else:
             dv[free] = np.linalg.solve(A[np.ix_(free, free)], b[free])
         v = v + dv.reshape(-1, 3)
@@ -151,6 +151,35 @@ def springs(pairs, rest, k, d=0.0, per_length=True, acts=lambda stretch: True):
             block = (ks - t) * np.outer(n, n) + t * np.eye(3)
             for i, j, sign in ((a, a, -1), (b, b, -1), (a, b, 1), (b, a, 1)):
                 K[3 * i:3 * i + 3, 3 * j:3 * j + 3] += sign * block
+        return f, K
+    return field
+
+
+def of_springs(lists):
+    """(a, b, k, d, L) of each; the damping is explicit, and its tension is in the tangent."""
+    def field(x, v):
+        f, K = np.zeros_like(x), np.zeros((x.size, x.size))
+        for a, b, k, d, L in lists:
+            e = x[b] - x[a]
+            now = np.linalg.norm(e)
+            n = e / now
+            t = (k * (now - L) + d * (v[b] - v[a]) @ n) / now
+            f[a] += t * e
+            f[b] -= t * e
+            block = (k - t) * np.outer(n, n) + t * np.eye(3)
+            for i, j, sign in ((a, a, -1), (b, b, -1), (a, b, 1), (b, a, 1)):
+                K[3 * i:3 * i + 3, 3 * j:3 * j + 3] += sign * block
+        return f, K
+    return field
+
+
+def of_rest(points, rest, k):
+    """Springs of some nodes to their places at rest."""
+    def field(x, v):
+        f, K = np.zeros_like(x), np.zeros((x.size, x.size))
+        for i in points:
+            f[i] = -k * (x[i] - rest[i])
+            K[3 * i:3 * i + 3, 3 * i:3 * i + 3] = -k * np.eye(3)
         return f, K
     return field
 

@@ -27,6 +27,28 @@ OTHER = WATCH.replace("PenalityContactForceField", "StickContactForceField")
 
 
 @case
+def contacts_on_the_way_of_a_step():
+    """A point at 300 m/s, 3 m in a step: contact keeps it contactDistance above the floor, if it is found on the way. The same of a point
+    that a frame carries, and of two lines that cross."""
+    def after(kind, ball, steps=2):
+        return Run(root('<CollisionPipeline/><BruteForceBroadPhase/><BVHNarrowPhase/><CollisionResponse response="FrictionContactConstraint" '
+                        f'responseParams="mu=0"/><CCDTightInclusionIntersection continuousCollisionType="{kind}" alarmDistance="0.2" '
+                        'contactDistance="0.1"/>' + FREE_LOOP + FLOOR.replace("</Node>", '<LineCollisionModel simulated="0" moving="0"/></Node>') +
+                        f'<Node name="ball">{EXACT}{ball}<LinearSolverConstraintCorrection/></Node>', 'gravity="0 0 0"'), steps)
+    models = '<PointCollisionModel/>'
+    point = '<MechanicalObject name="dofs" position="0 2 0" velocity="0 -300 0"/><UniformMass totalMass="1"/>' + models
+    tool = ('<MechanicalObject name="frame" template="Rigid3" position="0 2.5 0 0 0 0 1" velocity="0 -300 0 0 0 0"/><UniformMass '
+            'totalMass="1"/><Node name="tip"><MechanicalObject name="dofs" position="0 -0.5 0"/>' + models + '<RigidMapping/></Node>')
+    line = ('<MeshTopology name="mesh" edges="0 1"/><MechanicalObject name="dofs" position="0 2 8  0 2 10" velocity="0 -300 0  0 -300 0"/>'
+            '<UniformMass totalMass="1"/><LineCollisionModel/>')
+    for kind, height in (("None", -4), ("Inertia", 0.1), ("FreeMotion", 0.1)):
+        agree(after(kind, point).x("ball.dofs"), [[0, height, 0]])
+        agree(after(kind, tool).x("ball.tip.dofs"), [[0, height, 0]])
+        agree(after(kind, line).x("ball.dofs").mean(0), [0, height, 9])
+    after("FreeMotion", point, 1).says("finds contacts on the free motion of a step")
+
+
+@case
 def the_step_that_would_touch_without_a_response_is_refused():
     steps = next(n for n in range(1000) if 1 + fallen(n) < 0.2)
     Run(falling_point(1, OTHER), 100).fails(3, "/ball/point", "/floor/top", "distance of 0.2:", f"step {steps + 1} ")

@@ -504,4 +504,57 @@ def regions_choose_of_all_that_a_topology_lists():
             for link in ("@../roi.edgesInROI", "@../g.edges")))
 
 
+@case
+def regions_without_nodes():
+    """A region that finds neither a state nor a loader does nothing in SOFA but tell. BoxROI, SphereROI and MeshROI begin with node 0, and
+    keep it then; the others have no node."""
+    child = f'<Node name="a">{EXACT}{BODY}<FixedProjectiveConstraint indices="@../r.indices"/></Node>'
+    for region, held in (('<BoxROI name="r" box="-1 -1 -1 5 5 5"/>', [0]), ('<SphereROI name="r" centers="0 0 0" radii="9"/>', [0]),
+                         ('<PlaneROI name="r" plane="-1 -1 0  5 -1 0  5 5 0  3"/>', []),
+                         ('<SubsetTopology name="r" box="-1 -1 -1 5 5 5"/>', []),
+                         ('<MeshTopology position="0 0 0  1 0 0  2 0 0"/><BoxROI name="r" box="0.5 -1 -1 5 5 5"/>', [0])):
+        run = Run(root(region + child), 10)
+        agree(run.x("a.dofs")[:, 1], [0.0 if n in held else fallen(10) for n in (0, 1)])
+        run.says("scene.scn:1:", "/r: finds no state or loader to take nodes of: it" + ("s indices are node 0" if held else " selects nothing"))
+    alone = '<Node name="Group"><BoxConstraint box="-1 -1 -1 5 5 5"/><BoxROI name="other" triangles="0 1 2"/></Node>'  # a prefab by itself
+    run = Run(alone, 1)
+    assert run.code == 0, run.text
+
+
+@case
+def a_region_beside_a_loader():
+    """It takes the nodes of the file, where no state is beside it, and not those of a state above."""
+    files = {"p.obj": "v 9 0 0\nv 0 0 0\nv 8 0 0\nf 1 2 3\n"}
+    scene = root(f'{EXACT}<MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0 0"/><UniformMass totalMass="3"/>'
+                 '<FixedProjectiveConstraint indices="@b/r.indices"/>'
+                 '<Node name="b"><MeshOBJLoader name="l" filename="p.obj"/><BoxROI name="r" box="-1 -1 -1 0.5 1 1"/></Node>')
+    agree(Run(scene, 10, files).x()[:, 1], [fallen(10), 0, fallen(10)])
+
+
+@case
+def lists_of_quads_of_a_region():
+    """SOFA calls them quad, quadInROI and computeQuad; pointIndices of a sphere are its indices."""
+    mesh = '<MeshTopology name="m" position="0 0 0  1 0 0  1 1 0  0 1 0  2 0 0  2 1 0" quads="0 1 2 3  1 4 5 2"/>'
+    body = f'{EXACT}{mesh}<MechanicalObject name="dofs"/><UniformMass totalMass="6"/>'
+    region = '<BoxROI name="r" box="0.9 -1 -1 3 2 1" quad="@m.quads" computeQuad="1"/>'
+    load = ('<Node name="c"><MeshTopology name="part" position="@../m.position" quads="@../r.quadInROI"/><MechanicalObject name="skin"/>'
+            '<IdentityMapping/><QuadPressureForceField pressure="0 0 6" quadList="0"/></Node>')
+    run = Run(node(body + region + load), 1)
+    assert "quad" not in "".join(line for line in run.text.splitlines() if "warning" in line), run.text
+    push = np.array([0, 1, 1, 0, 1, 1]) * 1.5 * 0.01 ** 2
+    agree(run.x()[:, 2], push)
+    ball = '<SphereROI name="r" centers="0 0 0" radii="0.5"/><FixedProjectiveConstraint indices="@r.pointIndices"/>'
+    agree(Run(root(EXACT + BODY + ball), 10).x()[:, 1], [0, fallen(10)])
+
+
+@case
+def a_mapper_without_a_value():
+    """IndexValueMapper then maps zeros."""
+    mapper = '<IndexValueMapper name="m" indices="1" defaultValue="500"/>'
+    springs = '<RestShapeSpringsForceField points="0 1" stiffness="@m.outputValues"/>'
+    run = Run(root(mapper + EXACT + BODY + springs), 10)
+    agree(run.x()[1, 1], fallen(10))  # has a spring of no stiffness
+    differ(run.x()[0, 1], fallen(10), 1e-4)
+
+
 main()

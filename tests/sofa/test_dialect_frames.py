@@ -3,7 +3,8 @@
 Usage: test_dialect_frames.py STROMA [WORD]."""
 import numpy as np
 
-from dialect import DAMPED_SOLVERS, EXACT, FREE_LOOP, Run, agree, case, differ, main, node, numbers_of, oriented, root
+from dialect import (DAMPED_SOLVERS, EXACT, FREE_LOOP, Run, agree, case, differ, fallen, main, node, numbers_of, oriented,
+                     root)
 from reference import (axes_of, euler, euler_frames, first_end_beams, inverse, load, product, rotation_vector, springs, swept,
                        turn_of)
 
@@ -713,6 +714,21 @@ def what_frames_carry_where_they_turn():
     run.says("rigidIndexPerPoint has 3 values for 2 points: it is ignored, as in SOFA, and frame 1 carries all points")
     wrong = node(EXACT + frames + child.format(rigid, "RigidRigidMapping", 'initialPoints="0.5 0 0 0 0 0 0"'))
     Run(wrong, 1).fails(2, "initialPoints: the quaternion of frame 0 has the length 0", "x y z w of length one")
+
+
+@case
+def a_frame_of_which_only_the_move_is_written():
+    """A state without positions is one node at the origin in SOFA, as scenes of rigid bodies have it: it says nothing, and neither is said
+    here. A node that nothing moves may be a mistake, and is told."""
+    body = '<MechanicalObject name="dofs" {} /><UniformMass totalMass="1"/>'
+    for text, width in (('template="Rigid3d" dx="1" dy="2" dz="3" rz="90"', 7), ('template="Rigid3"', 7), ('translation="1 2 3"', 3)):
+        run = Run(root(EXACT + body.format(text)), 10)
+        assert "no positions" not in run.text, run.text
+        start = [0, 0, 0] if text == 'template="Rigid3"' else [1, 2, 3]
+        agree(run.x(width=width)[0, :3], np.add(start, [0, fallen(10), 0]))
+        if "rz" in text:
+            agree(np.abs(run.x(width=7)[0, 3:]), [0, 0, np.sqrt(0.5), np.sqrt(0.5)])
+    Run(root(EXACT + body.format("")), 1).says("no positions: neither position")
 
 
 main()

@@ -185,7 +185,7 @@ def what_has_no_effect_here_and_one_in_sofa():
     near = '<LocalMinDistance alarmDistance="0.2" contactDistance="0.1" {}/>'
     for method, model, words in (
             (near.format('useLMDFilters="1"'), "", "useLMDFilters: filters contacts in SOFA"),
-            ('<CCDTightInclusionIntersection continuousCollisionType="Inertia"/>', "", "finds contacts on the way of a step in SOFA"),
+            ('<CCDTightInclusionIntersection continuousCollisionType="FreeMotion"/>', "", "finds contacts on the free motion of a step"),
             (near.format(""), 'PointActiverPath="@../x"', "PointActiverPath: leaves some points out of contacts in SOFA")):
         Run(root(touch.format(method, model)), 1).says(words)
     for words in ('angleCone="0.0" filterIntersection="true" useLMDFilters="0"', 'angleCone="0.1" filterIntersection="false"'):
@@ -656,6 +656,30 @@ def words_that_are_no_indices():
     agree(run.x()[:, 1], [0] * 5)
     scene = root(EXACT + BODY + '<ConstantForceField indices="0 1" forces="0,1,0"/>')
     Run(scene, 1).says("/ConstantForceField1.forces: SOFA reads its numbers up to ',' alone")
+
+
+@case
+def attributes_that_sofa_declares_and_others():
+    """Some of SOFA's are not here: refused unless they have their default, or no effect. A typo is one there too. Of a type whose
+    attributes are not known nothing is said of SOFA."""
+    body = EXACT + BODY + "<FixedLagrangianConstraint {}/>"
+    Run(root(body.format('endTime="0.5"')), 1).fails(2, "/FixedLagrangianConstraint1.endTime: ",
+                                                      "SOFA's FixedLagrangianConstraint reads 'endTime', which is not available here")
+    for default in ("-1", "-1.0", "-1e0"):
+        run = Run(root(body.format(f'endTime="{default}" constraintIndex="3"')), 1)
+        assert run.code == 0 and "endTime: " not in run.text and "constraintIndex: " not in run.text, run.text
+        run.says("FixedLagrangianConstraint.endTime", "FixedLagrangianConstraint.constraintIndex")  # in the list of what has no effect
+    run = Run(root(body.format('endTim="0.5"')), 1)
+    assert run.code == 0, run.text
+    run.says("FixedLagrangianConstraint has no attribute 'endTim', nor has SOFA's: the scene runs without it", "did you mean 'endTime'?")
+    run = Run(root(EXACT + BODY + '<LennardJonesForceField dmx="0.5"/>'), 1)
+    run.says("LennardJonesForceField has no attribute 'dmx' here: the scene runs without it")
+    mass = BODY.replace("<UniformMass", '<UniformMass rayleighStiffness="0.3" isCompliance="1"')
+    falls(Run(root(EXACT + mass), 10))
+    model = '<PointCollisionModel collisionElementActiver="@dofs" numberOfContacts="3"/>'
+    Run(root(EXACT + BODY + model), 1).fails(2, "SOFA's PointCollisionModel reads 'collisionElementActiver'")
+    grid = '<RegularGridTopology n="2 1 1" min="0 0 0" max="1 0 0" position="5 5 5"/><MechanicalObject name="dofs"/><UniformMass totalMass="2"/>'
+    agree(Run(root(EXACT + grid), 10).x(), [[0, fallen(10), 0], [1, fallen(10), 0]])
 
 
 main()

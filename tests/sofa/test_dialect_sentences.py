@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Scenes in SOFA's dialect: components and attributes that no other of these files has a number for. Usage:
 test_dialect_sentences.py STROMA [WORD]"""
+import itertools
+
 import numpy as np
 
-from dialect import EXACT, Run, agree, case, differ, fallen, falls, main, node, numbers_of, root
-from reference import euler, gravity, hexahedra, springs, together, turn_of
+from dialect import CUBE, EXACT, Run, agree, case, differ, fallen, falls, main, node, numbers_of, oriented, placed, root
+from reference import axes_of, euler, gravity, hexahedra, membrane, of_rest, of_springs, springs, together, turn_of
 
 CHAIN = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [2.5, 0.5, 0.2]])
 CHAIN_TEXT = (f'<MeshTopology position="{numbers_of(CHAIN)}" edges="0 1  1 2  2 3"/><MechanicalObject name="dofs"/>'
@@ -280,6 +282,404 @@ def places_before_and_after_the_rest_shape():
     rest = np.array([[0, 2, 1], [-2, 0, 1]], float)
     start = rest @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]]).T + [0, 5, 0]  # about x by 90 degrees
     agree(Run(scene, 1).x(), start + 1e-4 * 100 * (rest - start) / (1 + 1e-4 * 100), 1e-9)
+
+def rotation(degrees):
+    """About x, then y, then z."""
+    a, b, c = np.radians(degrees)
+    about_x = [[1, 0, 0], [0, np.cos(a), -np.sin(a)], [0, np.sin(a), np.cos(a)]]
+    about_y = [[np.cos(b), 0, np.sin(b)], [0, 1, 0], [-np.sin(b), 0, np.cos(b)]]
+    return np.array([[np.cos(c), -np.sin(c), 0], [np.sin(c), np.cos(c), 0], [0, 0, 1]]) @ about_y @ about_x
+
+
+@case
+def rotations_about_three_axes():
+    """Of states, loaders and engines: scale, rotation about x, y and z, translation; a loader and a state one after the other."""
+    P = np.array([[1, 0, 0], [0, 2, 0], [0.3, 0.1, 3]])
+    R, angles = rotation([30, -50, 110]), 'rotation="30 -50 110"'
+    expected = (P * [2, 3, 0.5]) @ R.T + [5, 6, 7]
+    place = f'scale3d="2 3 0.5" {angles} translation="5 6 7"'
+    files = {"m.obj": "".join("v {} {} {}\n".format(*p) for p in P) + "f 1 2 3\n"}
+    loader = f'<MeshOBJLoader name="e" filename="m.obj" {place}/>'
+
+    def state(words):
+        return Run(node(EXACT + f'{loader}<MechanicalObject name="dofs" {words}/><UniformMass totalMass="1"/>'), 1, files).x()
+    agree(state(f'position="{numbers_of(P)}" {place}'), expected)
+    agree(state(f'position="{numbers_of(P)}" sx="2" sy="3" sz="0.5" rx="30" ry="-50" rz="110" dx="5" dy="6" dz="7"'), expected)
+    agree(state('src="@e"'), expected)
+    agree(state('src="@e" scale3d="1 2 1" rotation="0 20 10" translation="0 0 1"'), (expected * [1, 2, 1]) @ rotation([0, 20, 10]).T + [0, 0, 1])
+    engine = f'<TransformEngine name="e" input_position="{{}}" scale="2 3 0.5" {angles} translation="5 6 7" {{}}/>'
+    agree(placed(engine.format(numbers_of(P), ""), "e.output_position"), expected)
+    agree(placed(engine.format(numbers_of(expected), 'inverse="1"'), "e.output_position"), P)
+    start = [1, 2, 3, *oriented([1, 1, 0], 0.7)]
+    x = Run(node(EXACT + f'<MechanicalObject template="Rigid3" name="dofs" position="{numbers_of(start)}" {angles} translation="5 6 7"/>'
+                 '<UniformMass totalMass="1"/>'), 1).x(width=7)[0]
+    agree(x[:3], R @ [1, 2, 3] + [5, 6, 7])
+    agree(axes_of(x[3:]), R @ axes_of(np.array(start[3:])))
+
+
+@case
+def points_in_a_grid_that_a_state_moves():
+    """SOFA finds the cell, and the place in it, in the grid. A state takes the origin of a regular grid with it, and not its spacing; its own
+    positions, and a sparse grid, are no matter."""
+    child = '<Node name="c"><MechanicalObject name="c" position="{}"/><BarycentricMapping/></Node>'
+    for state, points, found in (('translation="5 0 0"', "5.5 0.25 0.75  5 1 0", [[5.5, 0.25, 0.75], [5, 1, 0]]),
+                                 ('translation="5 0 0" scale="2"', "5.5 0.25 0.75  5 1 0", [[6, 0.5, 1.5], [5, 2, 0]]),
+                                 ('rotation="0 0 90" translation="3 0 0"', "3.25 0.5 0", [[2.5, 0.25, 0]]),
+                                 (f'position="{numbers_of(CUBE + [5, 0, 0])}"', "0.5 0.25 0.75", [[5.5, 0.25, 0.75]])):
+        scene = node(EXACT + f'<RegularGridTopology n="2 2 2" min="0 0 0" max="1 1 1"/><MechanicalObject name="dofs" {state}/><UniformMass '
+                     f'totalMass="8"/>{child.format(points)}')
+        agree(Run(scene, 1).x("c.c"), found)
+    differ(Run(scene, 1, args=["--without-quirk", "centre-cells"]).x("c.c"), found, 1)
+    surface = 'position="0 0 0  1 0 0  0 1 0  0 0 1" triangles="0 2 1  0 1 3  1 2 3  2 0 3"'
+    scene = node(EXACT + f'<SparseGridTopology n="2 2 2" min="0 0 0" max="1 1 1" {surface}/><MechanicalObject name="dofs" translation="5 0 0"/>'
+                 f'<UniformMass totalMass="8"/>{child.format("0.5 0.25 0.75")}')
+    agree(Run(scene, 1).x("c.c"), [[5.5, 0.25, 0.75]])
+
+
+def searched(A, b, kind, most, tolerance):
+    """SOFA's preconditioned search: it ends where r.B r <= tolerance b.b."""
+    B = np.diag(1 / np.diag(A)) if kind else np.eye(len(b))
+    x, r = np.zeros_like(b), b.copy()
+    p = B @ r
+    rho, count = r @ p, 0
+    while count < most and rho > tolerance * (b @ b):
+        q = A @ p
+        alpha = rho / (p @ q)
+        x, r = x + alpha * p, r - alpha * q
+        before, rho = rho, r @ B @ r
+        p, count = B @ r + rho / before * p, count + 1
+    return x
+
+
+@case
+def searches_that_end_by_squares():
+    """PCGLinearSolver: without a preconditioner |r| <= sqrt(tolerance) |b|."""
+    X, h, mass = np.array([[i, 0.1 * i * i, 0] for i in range(12)], float), 0.01, np.linspace(0.2, 2, 12)
+    lists = [(i, i + 1, 3e3, 0, float(np.linalg.norm(X[i + 1] - X[i]))) for i in range(11)]
+    fields = together(of_springs(lists), gravity(mass, [0, -10, 0]))
+    body = (f'<MechanicalObject name="dofs" position="{numbers_of(X)}"/><DiagonalMass vertexMass="{numbers_of(mass)}"/><FixedConstraint '
+            'indices="0"/><SpringForceField spring="' + "  ".join(" ".join(map(repr, spring)) for spring in lists) + '"/>')
+    for kind in ("", "JacobiPreconditioner"):
+        for words, most, tolerance in (("", 25, 1e-5), ('iterations="4" tolerance="1e-9"', 4, 1e-9), ('iterations="100" tolerance="1e-3"', 100, 1e-3)):
+            x, v = X.copy(), np.zeros_like(X)
+            for _ in range(10):
+                f, K = fields(x, v)
+                A, b = (np.diag(np.repeat(mass, 3)) - h * h * K)[3:, 3:], (h * (f.ravel() + h * K @ v.ravel()))[3:]
+                v[1:] += searched(A, b, kind, most, tolerance).reshape(-1, 3)
+                x = x + h * v
+            inverse = f'<{kind} name="pre" template="CompressedRowSparseMatrixd"/>' if kind else ""
+            solver = f'<EulerImplicitSolver/><PCGLinearSolver {words} {"preconditioner=" + chr(34) + "@pre" + chr(34) if kind else ""}/>{inverse}'
+            run = Run(root(solver + body), 10)
+            agree(run.x() - X, x - X, 1e-9)
+            run.says("cg-threshold: conjugate gradients stop at an absolute p.Ap or, preconditioned, r.Br")
+    differ(Run(root(solver + body), 10, args=["--without-quirk", "cg-threshold"]).x(), x, 1e-4)
+
+
+@case
+def thresholds_of_nothing():
+    """Zero and less end no search of CGLinearSolver."""
+    fields = together(gravity(np.ones(4), [0, -10, 0]), springs(LINKS, CHAIN, 5e4))
+    x = euler(CHAIN, np.eye(4), fields, 10, 0.01, held=[0], cg=(3, 1e-5, 0))
+    for threshold in ("0", "-1", "1e-300"):
+        solver = f'<EulerImplicitSolver/><CGLinearSolver iterations="3" tolerance="1e-5" threshold="{threshold}"/>'
+        agree(Run(root(solver + CHAIN_TEXT.replace('"500"', '"5e4"')), 10).x(), x, 1e-9)
+
+
+@case
+def spheres_push_outwards():
+    """f = -k (|y| - r) n - c (r - |y|) v inside, with a limit, and with both sides; the tangent is that of the spring alone."""
+    X = np.array([[0.7, 0.2, 0.1], [1.2, 0, 0.3], [-0.1, 0.5, 0]])
+    V = np.array([[1, 0, 0], [0, 1, 0], [0, 2, 1.0]])
+
+    def sphere(both, most):
+        def field(x, v):
+            f, K = np.zeros_like(x), np.zeros((9, 9))
+            for i, y in enumerate(x):
+                d = np.linalg.norm(y)
+                if d >= 1 and not both:
+                    continue
+                n = y / d
+                f[i] = -80 * (d - 1) * n - 6 * abs(d - 1) * v[i]
+                size = np.linalg.norm(f[i])
+                if 0 < most < size:
+                    f[i] *= most / size
+                K[3 * i:3 * i + 3, 3 * i:3 * i + 3] = -80 * (np.outer(n, n) + (d - 1) / d * (np.eye(3) - np.outer(n, n)))
+            return f, K
+        return field
+    scene = (f'{{}}<MechanicalObject name="dofs" position="{numbers_of(X)}" velocity="{numbers_of(V)}"/><UniformMass totalMass="3"/>'
+             '<SphereForceField center="0 0 0" radius="1" stiffness="80" damping="6" {}/>')
+    agree(Run(node(scene.format(EXACT, "")), 8).x(), euler(X, np.eye(3), sphere(False, 0), 8, 0.01, v=V), 1e-9)
+    x, v = X.copy(), V.copy()
+    for _ in range(8):
+        v = v + 0.01 * sphere(False, 0)(x, v)[0]
+        x = x + 0.01 * v
+    agree(Run(node(scene.format("<EulerExplicitSolver/>", "")), 8).x(), x, 1e-9)
+
+
+@case
+def springs_of_each_kind_of_cell():
+    """Each pair once, with the constants of the first kind that has it."""
+    X = CUBE + 0.1 * np.sin(5 * np.arange(24)).reshape(8, 3)
+    kinds = {"triangles": ((0, 1, 3), 20), "quads": ((0, 1, 3, 2), 30), "tetrahedra": ((0, 1, 2, 4), 40), "hexahedra": ((0, 1, 3, 2, 4, 5, 7, 6), 50)}
+    for chosen in itertools.chain.from_iterable(itertools.combinations(kinds, n) for n in (1, 2, 4)):
+        found, cells, words = {}, "", ""
+        for kind in chosen:
+            nodes, k = kinds[kind]
+            cells += f'{kind}="{" ".join(map(str, nodes))}" '
+            name = {"hexahedra": "cubes"}.get(kind, kind)
+            words += f'{name}Stiffness="{k}" {name}Damping="{k / 100}" '
+            for pair in itertools.combinations(sorted(nodes), 2):
+                found.setdefault(pair, k)
+        lengths = {pair: float(np.linalg.norm(X[pair[0]] - X[pair[1]])) for pair in found}
+        fields = together(gravity(np.ones(8), [0, -10, 0]), of_springs([(*p, k / lengths[p], k / 100 / lengths[p], lengths[p]) for p, k in found.items()]))
+        scene = root(EXACT + f'<MeshTopology position="{numbers_of(X)}" {cells}/><MechanicalObject name="dofs"/><UniformMass totalMass="8"/>'
+                     f'<MeshSpringForceField {words}/><FixedConstraint indices="0 1"/>')
+        agree(Run(scene, 10).x(), euler(X, np.eye(8), fields, 10, 0.01, held=[0, 1]), 1e-8)
+    X, lists = CUBE * [1, 1.5, 2], []
+    for a, b in itertools.combinations(range(8), 2):
+        k, d = {1: (300, 2), 2: (100, 1), 3: (50, 0.5)}[int(np.abs(CUBE[a] - CUBE[b]).sum())]
+        L = np.linalg.norm(X[a] - X[b])
+        lists.append((a, b, k / L, d / L, L))
+    scene = root(EXACT + '<RegularGridTopology n="2 2 2" min="0 0 0" max="1 1.5 2"/><MechanicalObject name="dofs"/><UniformMass totalMass="8"/>'
+                 '<RegularGridSpringForceField linesStiffness="300" linesDamping="2" quadsStiffness="100" quadsDamping="1" cubesStiffness="50" '
+                 'cubesDamping="0.5"/><FixedConstraint indices="0 1"/>')
+    agree(Run(scene, 10).x(), euler(X, np.eye(8), together(gravity(np.ones(8), [0, -10, 0]), of_springs(lists)), 10, 0.01, held=[0, 1]), 1e-8)
+
+
+@case
+def masses_of_quads_and_of_edges():
+    """MeshMatrixMass on quads A/8, A/16; totalMass scales the density; DiagonalMass on edges L/2."""
+    Q = np.array([[0, 0, 0], [1, 0.1, 0], [0, 1, 0.2], [1.3, 1, 0]])
+    size = sum(np.linalg.norm(np.cross(Q[b] - Q[0], Q[c] - Q[0])) / 2 for b, c in ((1, 3), (3, 2)))
+    M = size / 8 * np.eye(4)
+    for a, b in ((0, 1), (1, 3), (3, 2), (2, 0)):
+        M[a, b] = M[b, a] = size / 16
+    for words, factor in (('massDensity="3"', 3), ('totalMass="7"', 7 / size)):
+        scene = root(f'<EulerImplicitSolver/><EigenSparseLU/><MeshTopology position="{numbers_of(Q)}" quads="0 1 3 2"/><MechanicalObject name="dofs"/>'
+                     f'<MeshMatrixMass {words}/><RestShapeSpringsForceField stiffness="100"/>')
+        fields = together(gravity(2 * factor * np.diag(M), [0, -10, 0]), of_rest(range(4), Q, 100.0))
+        agree(Run(scene, 10).x(), euler(Q, factor * M, fields, 10, 0.01), 1e-8)
+    E = np.array([[0, 0, 0], [1, 0.1, 0], [2, 0, 0]])
+    lengths = [np.linalg.norm(E[1] - E[0]), np.linalg.norm(E[2] - E[1])]
+    m = np.array([lengths[0], sum(lengths), lengths[1]]) / 2
+    for words, factor in (('massDensity="3"', 3), ('totalMass="7"', 7 / m.sum())):
+        scene = root(EXACT + f'<MeshTopology position="{numbers_of(E)}" edges="0 1  1 2"/><MechanicalObject name="dofs"/><DiagonalMass {words}/>'
+                     '<RestShapeSpringsForceField stiffness="100"/>')
+        fields = together(gravity(factor * m, [0, -10, 0]), of_rest(range(3), E, 100.0))
+        agree(Run(scene, 10).x(), euler(E, factor * np.diag(m), fields, 10, 0.01), 1e-8)
+
+
+@case
+def masses_of_the_shape_at_rest_or_of_the_start():
+    X = np.array([[0, 0, 0], [2, 0, 0], [0, 3, 0], [0, 0, 1.5]])
+    now = X * [1.2, 0.9, 1.4]
+    volumes = {True: 1.5, False: 1.5 * 1.2 * 0.9 * 1.4}
+    for kind, default in (("DiagonalMass", True), ('MeshMatrixMass lumping="1"', False)):
+        for given in (None, True, False):
+            m = 2 * volumes[default if given is None else given] / 4
+            word = "" if given is None else f'computeMassOnRest="{int(given)}"'
+            scene = root(EXACT + f'<TetrahedronSetTopologyContainer position="{numbers_of(X)}" tetrahedra="0 1 2 3"/><MechanicalObject name="dofs" '
+                         f'position="{numbers_of(now)}" rest_position="{numbers_of(X)}"/><{kind} massDensity="2" {word}/>'
+                         '<RestShapeSpringsForceField stiffness="30"/>')
+            fields = together(gravity(np.full(4, m), [0, -10, 0]), of_rest(range(4), X, 30.0))
+            agree(Run(scene, 10).x(), euler(now, m * np.eye(4), fields, 10, 0.01), 1e-8)
+
+
+def shapes_of_cells():
+    """Nodes, values and slopes of shape functions, and points with weights, of FEMMass."""
+    def edge(s):
+        return np.array([1 - s[0], 1 + s[0]]) / 2, np.array([[-0.5], [0.5]])
+
+    def triangle(s):
+        return np.array([1 - s[0] - s[1], s[0], s[1]]), np.array([[-1, -1], [1, 0], [0, 1]])
+
+    def quad(s):
+        at = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+        return (1 + at[:, 0] * s[0]) * (1 + at[:, 1] * s[1]) / 4, np.array([[a * (1 + b * s[1]) / 4, b * (1 + a * s[0]) / 4] for a, b in at])
+
+    def prism(s):
+        flat, slopes = triangle(s)
+        return (np.concatenate([flat * (1 + z * s[2]) / 2 for z in (-1, 1)]),
+                np.vstack([np.column_stack([slopes * (1 + z * s[2]) / 2, flat * z / 2]) for z in (-1, 1)]))
+    low, high = -6 ** -0.5, 2 ** -0.5
+    return {"Edge": ("edges", [[0, 0, 0], [1, 0.2, 0.1]], edge, [((0,), 2)]),
+            "Triangle": ("triangles", [[0, 0, 0], [1, 0.2, 0.1], [0, 1, 0]], triangle, [((1 / 3, 1 / 3), 0.5)]),
+            "Quad": ("quads", [[0, 0, 0], [1, 0.2, 0.1], [1.2, 1, 0], [0, 1, 0.1]], quad,
+                     [(((2 / 3) ** 0.5, 0), 4 / 3), ((low, -high), 4 / 3), ((low, high), 4 / 3)]),
+            "Prism": ("prisms", [[0, 0, 0], [1, 0.2, 0.1], [0, 1, 0], [0, 0.1, 1], [1, 0.2, 1.1], [0, 1, 1.4]], prism,
+                      [((1 / 3, 1 / 3, z), 0.5) for z in (-3 ** -0.5, 3 ** -0.5)])}
+
+
+@case
+def finite_element_masses_of_other_cells():
+    for kind, (word, places, shape, points) in shapes_of_cells().items():
+        X = np.array(places)
+        rho, M = np.arange(1, len(X) + 1), np.zeros((len(X),) * 2)
+        for s, weight in points:
+            N, slopes = shape(s)
+            J = X.T @ slopes
+            M += weight * np.sqrt(np.linalg.det(J.T @ J)) * (N @ rho) * np.outer(N, N)
+        scene = root(f'<EulerImplicitSolver/><EigenSparseLU/><MeshTopology position="{numbers_of(X)}" {word}="{" ".join(map(str, range(len(X))))}"/>'
+                     f'<MechanicalObject name="dofs"/><NodalMassDensity property="{numbers_of(rho)}"/><FEMMass template="Vec3,{kind}"/>'
+                     '<RestShapeSpringsForceField stiffness="100"/>')
+        fields = together(gravity(M.sum(axis=1), [0, -10, 0]), of_rest(range(len(X)), X, 100.0))
+        agree(Run(scene, 5).x(), euler(X, M, fields, 5, 0.01), 1e-8)
+
+
+@case
+def halves_of_the_quads_of_a_grid():
+    """Quad i of a grid with nx quads in a row: where (i mod nx) xor (i div nx) is odd (0 1 3)(2 3 1), else (1 2 0)(3 0 2); without a
+    grid nx is 2."""
+    for n, m, is_grid in ((4, 3, True), (3, 4, True), (4, 3, False)):
+        X = np.array([[i, j, 0 if is_grid else 0.1 * i * j] for j in range(m) for i in range(n)], float)
+        quads = [(i + n * j, i + 1 + n * j, i + 1 + n * (j + 1), i + n * (j + 1)) for j in range(m - 1) for i in range(n - 1)]
+        nx, triangles = n - 1 if is_grid else 2, []
+        for i, quad in enumerate(quads):
+            halves = ((0, 1, 3), (2, 3, 1)) if ((i % nx) ^ (i // nx)) & 1 else ((1, 2, 0), (3, 0, 2))
+            triangles += [tuple(quad[a] for a in half) for half in halves]
+        mesh = (f'<RegularGridTopology name="g" n="{n} {m} 1" min="0 0 0" max="{n - 1} {m - 1} 0"/>' if is_grid else
+                f'<QuadSetTopologyContainer name="g" position="{numbers_of(X)}" quads="{" ".join(str(i) for quad in quads for i in quad)}"/>')
+        scene = root(EXACT + mesh + '<MechanicalObject name="dofs"/><UniformMass vertexMass="1"/><FixedConstraint indices="0 1"/><Node name="t">'
+                     '<TriangleSetTopologyContainer name="t"/><TriangleSetTopologyModifier/><Quad2TriangleTopologicalMapping input="@../g" '
+                     'output="@t"/><TriangularFEMForceFieldOptim youngModulus="500" poissonRatio="0.3"/></Node>')
+        fields = together(gravity(np.ones(len(X)), [0, -10, 0]), membrane(triangles, X, 500, 0.3, False))
+        agree(Run(scene, 5).x(), euler(X, np.eye(len(X)), fields, 5, 0.01, held=[0, 1]), 1e-7)
+
+
+@case
+def pressures_on_the_sides_of_solids():
+    """Sides of tetrahedra and hexahedra look outwards, with flipNormals inwards."""
+    X = CUBE + 0.05 * np.sin(5 * np.arange(24)).reshape(8, 3)
+    cells = [(0, 5, 1, 7), (0, 1, 3, 7), (0, 3, 2, 7), (0, 2, 6, 7), (0, 6, 4, 7), (0, 4, 5, 7)]
+    sides = {}
+    for cell in cells:
+        for last in range(4):
+            side = [n for i, n in enumerate(cell) if i != last]
+            out = np.cross(X[side[1]] - X[side[0]], X[side[2]] - X[side[0]]) * 30 / 6
+            sides.setdefault(tuple(sorted(side)), []).append(out if out @ (X[cell[last]] - X[side[0]]) < 0 else -out)
+    f = np.zeros_like(X)
+    for side, outwards in sides.items():
+        if len(outwards) == 1:
+            f[list(side)] += outwards[0]
+    listed = " ".join(str(i) for cell in cells for i in cell)
+    for flip, sign in (("", 1), ('flipNormals="1"', -1)):
+        run = Run(node(f'<EulerExplicitSolver/><TetrahedronSetTopologyContainer name="c" position="{numbers_of(X)}" tetrahedra="{listed}"/>'
+                       '<MechanicalObject name="dofs"/><UniformMass vertexMass="1"/><Node name="s"><TriangleSetTopologyContainer name="t"/>'
+                       f'<Tetra2TriangleTopologicalMapping input="@../c" output="@t" {flip}/><SurfacePressureForceField pressure="30"/></Node>'), 1)
+        agree((run.x() - X) / 1e-4, sign * f, 1e-9)
+    run = Run(node(f'<EulerExplicitSolver/><HexahedronSetTopologyContainer name="c" position="{numbers_of(CUBE)}" hexahedra="0 1 3 2 4 5 7 6"/>'
+                   '<MechanicalObject name="dofs"/><UniformMass vertexMass="1"/><Node name="s"><QuadSetTopologyContainer name="t"/>'
+                   '<Hexa2QuadTopologicalMapping input="@../c" output="@t"/><SurfacePressureForceField pressure="30"/></Node>'), 1)
+    moved = (run.x() - CUBE) / 1e-4
+    agree(moved.sum(axis=0) + 1, [1, 1, 1], 1e-9)
+    assert (moved * (CUBE - 0.5) > 0).all(), moved
+
+
+@case
+def followers_weigh_in_explicit_steps():
+    """SOFA divides forces by the mass of each state itself: what follows has a weight, whose inertia nobody feels."""
+    scene = ('<{}/><MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass totalMass="2"/><Node name="c"><MechanicalObject name="c" '
+                 'position="1 0 0"/><SubsetMapping indices="1"/><UniformMass {}/><ConstantForceField indices="0" forces="0 0 6"/></Node>')
+    for solver, factor in (("EulerExplicitSolver", 1), ("CentralDifferenceSolver", 1), ("RungeKutta4Solver", 5 / 6), ("RungeKutta2Solver", 5 / 6)):
+        for mass in ('totalMass="3"', 'vertexMass="3"'):
+            agree(Run(root(scene.format(solver, mass)), 5).x()[1], np.array([1 / factor, 4 * fallen(5), -fallen(5, g=6.0)]) * factor)
+    Run(root(scene.format("EulerExplicitSolver", mass)), 1, args=["--without-quirk", "moved-inertia"]).fails(2, "the mass is not diagonal")
+
+
+@case
+def old_grids_are_of_single_precision():
+    """0.1 is then a little more, and so is 1.1: the one lies in a box that begins there, the other beyond one that ends there."""
+    body = ('<MechanicalObject name="dofs"/><UniformMass totalMass="1"/><BoxROI name="b" box="{}"/><FixedConstraint indices="@b.indices"/>')
+    for words, last in (('xmin="0.1" xmax="1.1" ymin="0" ymax="1" zmin="0" zmax="1"', False), ('min="0.1 0 0" max="1.1 1 1"', True)):
+        grid = root(EXACT + f'<RegularGridTopology nx="2" ny="2" nz="2" {words}/>' + body)
+        still = [(np.abs(Run(grid.format(box), 1).x()[:, 1] - CUBE[:, 1]) < 1e-9).sum() for box in ("0.1 -1 -1 0.5 2 2", "0.5 -1 -1 1.1 2 2")]
+        assert still == [4, 4 if last else 0], (words, still)
+
+
+@case
+def followers_without_a_mesh_have_the_first_of_an_ancestor():
+    X, v = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), np.array([[0, 0, 0], [1, 1, 0], [0, 0, 1], [0, 2, 2.0]])
+    scene = root(EXACT + f'<MeshTopology position="{numbers_of(X)}" edges="0 1"/><MeshTopology position="{numbers_of(X)}" edges="2 3"/>'
+                 f'<MechanicalObject name="dofs" velocity="{numbers_of(v)}"/><UniformMass totalMass="4"/><Node name="c"><MechanicalObject name="c"/>'
+                 '<IdentityMapping/><MeshSpringForceField stiffness="300"/></Node>')
+    agree(Run(scene, 5).x(), euler(X, np.eye(4), together(gravity(np.ones(4), [0, -10, 0]), springs([(0, 1)], X, 300)), 5, 0.01, v=v), 1e-9)
+
+
+@case
+def regions_look_at_the_shape_at_rest():
+    held = '<UniformMass totalMass="2"/><BoxROI name="b" box="{}"/><FixedConstraint indices="@b.indices"/>'
+    swapped = '<MechanicalObject name="dofs" position="0 0 0  5 0 0" rest_position="5 0 0  0 0 0"/>'
+    agree(Run(root(EXACT + swapped + held.format("-1 -1 -1 1 1 1")), 3).x(), [[0, fallen(3), 0], [5, 0, 0]])
+    moved = '<MechanicalObject name="dofs" position="0 0 0  5 0 0" translation="0 0 2" translation2="0 0 9"/>'
+    agree(Run(root(EXACT + moved + held.format("-1 -1 1 1 1 3")), 3).x(), [[0, 0, 11], [5, fallen(3), 11]])
+
+
+@case
+def gravity_of_a_part_of_the_tree():
+    part = '<Node name="{}">{}<Node name="b"><MechanicalObject name="dofs" position="0 0 0"/><UniformMass totalMass="1"/></Node></Node>'
+    run = Run(root(EXACT + part.format("p", '<Gravity gravity="0 0 5"/>') + part.format("q", "") + part.format("r", "<Gravity/>")), 10)
+    agree(run.x("p.b.dofs"), [[0, 0, -fallen(10, g=5.0)]])
+    agree(run.x("q.b.dofs"), [[0, fallen(10), 0]])
+    agree(run.x("r.b.dofs") + 1, [[1, 1, 1]])
+
+
+@case
+def springs_along_some_axes():
+    X, V, along = np.array([[0, 0, 0], [1, 0, 0]]), np.array([[1, 2, 3], [1, 1, 1.0]]), np.diag([1, 0, 1])
+    scene = node(EXACT + f'<MechanicalObject name="dofs" position="{numbers_of(X)}" velocity="{numbers_of(V)}"/><UniformMass totalMass="2"/>'
+                 '<RestShapeSpringsForceField stiffness="50" activeDirections="1 0 1"/>')
+    field = lambda x, v: (-50 * (x - X) @ along, -50 * np.kron(np.eye(2), along))
+    agree(Run(scene, 10).x(), euler(X, np.eye(2), field, 10, 0.01, v=V))
+
+@case
+def what_a_silent_scene_means():
+    """SOFA's defaults: the same bits as where they are written."""
+    grid = ('<RegularGridTopology n="3 2 2" min="0 0 0" max="2 1 1"/><MechanicalObject name="dofs"/>{}<BoxROI name="b" box="-0.1 -1 -1 0.1 2 2"/>'
+            '<FixedProjectiveConstraint indices="@b.indices"/>{}')
+    uniform = '<UniformMass totalMass="2"/>'
+    tets = ('<TetrahedronSetTopologyContainer position="0 0 0  1 0.1 0  0 1 0.2  0.1 0 1  1 1 1" tetrahedra="0 1 2 3  1 2 3 4"/><MechanicalObject '
+            'name="dofs"/>{}<FixedProjectiveConstraint indices="0 1 2"/>{}')
+    sheet = ('<MeshTopology position="0 0 0  1 0.1 0  0 1 0.2  1 1 0.1" triangles="0 1 2  1 3 2"/><MechanicalObject name="dofs"/>{}'
+             '<FixedProjectiveConstraint indices="0 1"/>{}')
+    points = '<MechanicalObject name="dofs" position="0 0 0  1.2 -0.1 0  2 -0.4 0.1"/>{}<FixedProjectiveConstraint indices="0"/>{}'
+    frames = ('<MeshTopology edges="0 1  1 2"/><MechanicalObject template="Rigid3" name="dofs" position="0 0 0 0 0 0 1  1 0 0 0 0 0 1  2 0 0 0 0 0 1"/>{}'
+              '<FixedProjectiveConstraint indices="0"/>{}')
+    young = 'youngModulus="5000" poissonRatio="0.45"'
+    explicit = [(grid, uniform, "<HexahedronFEMForceField/>", f'<HexahedronFEMForceField method="large" {young}/>'),
+                (tets, uniform, "<TetrahedronFEMForceField/>", f'<TetrahedronFEMForceField method="large" {young}/>'),
+                (tets, uniform, "<TetrahedralCorotationalFEMForceField/>", f'<TetrahedralCorotationalFEMForceField method="large" {young}/>'),
+                (tets, uniform, "<FastTetrahedralCorotationalForceField/>", f'<FastTetrahedralCorotationalForceField method="qr" {young}/>'),
+                (tets, uniform, '<TetrahedronFEMForceField youngModulus="300 900" poissonRatio="0.2 0.4"/>',
+                 '<TetrahedronFEMForceField method="large" youngModulus="300 900" poissonRatio="0.2 0.4"/>'),
+                (tets, "<DiagonalMass/>", "", None), (tets, "<MeshMatrixMass/>", "", None), (tets, "<UniformMass/>", "", None),
+                (grid, uniform, "<RegularGridSpringForceField/>", '<RegularGridSpringForceField stiffness="100" damping="5"/>'),
+                (points, uniform, '<SpringForceField springsIndices1="0 1" springsIndices2="1 2"/>',
+                 '<SpringForceField springsIndices1="0 1" springsIndices2="1 2" stiffness="100" damping="5" lengths="0"/>'),
+                (points, uniform, "<RestShapeSpringsForceField/>", '<RestShapeSpringsForceField points="0 1 2" stiffness="100"/>'),
+                (points, uniform, "<PlaneForceField/>", '<PlaneForceField normal="0 1 0" d="0" stiffness="500" damping="5"/>'),
+                (points, uniform, "<SphereForceField/>", '<SphereForceField center="0 0 0" radius="1" stiffness="500" damping="5"/>'),
+                (frames, uniform, "<BeamFEMForceField/>", f'<BeamFEMForceField radius="0.1" radiusInner="0" {young}/>'),
+                (sheet, uniform, "<TriangularFEMForceFieldOptim/>", None), (sheet, uniform, "<TriangularBendingSprings/>",
+                                                                            '<TriangularBendingSprings stiffness="1e5" damping="1"/>')]
+    for body, mass, silent, written in explicit:
+        other = written
+        if written is None and silent:
+            continue
+        if written is None:
+            other, silent = mass.replace("/>", ' totalMass="1"/>' if "Diagonal" not in mass else ' massDensity="1"/>'), mass
+            silent, other = body.format(silent, ""), body.format(other, "")
+        else:
+            silent, other = body.format(mass, silent), body.format(mass, other)
+        width = 7 if "Rigid3" in body else 3
+        a, b = (Run(root(EXACT.replace("SparseLDLSolver", "EigenSparseLU") + each), 8).x(width=width) for each in (silent, other))
+        agree(a, b, 0)
+    chain = '<MeshTopology edges="0 1  1 2"/>' + points.format(uniform, '<MeshSpringForceField stiffness="3000"/>')
+    for silent, written in (("<EulerImplicitSolver/><CGLinearSolver/>", '<EulerImplicitSolver rayleighMass="0" rayleighStiffness="0"/><CGLinearSolver '
+                             'iterations="25" tolerance="1e-5" threshold="1e-5"/>'),
+                            ("<NewmarkImplicitSolver/><CGLinearSolver/>", '<NewmarkImplicitSolver gamma="0.5" beta="0.25" rayleighMass="0" '
+                             'rayleighStiffness="0"/><CGLinearSolver iterations="25" tolerance="1e-5" threshold="1e-5"/>'),
+                            ("<EulerExplicitSolver/>", '<EulerExplicitSolver symplectic="1"/>')):
+        agree(Run(root(silent + chain), 8).x(), Run(root(written + chain), 8).x(), 0)
 
 
 main()

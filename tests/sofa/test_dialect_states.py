@@ -496,4 +496,14 @@ def one_position_beside_a_mesh():
     Run(node("<DefaultAnimationLop/>" + EXACT + BODY), 1).fails(2, "scene.scn:1:", "did you mean 'DefaultAnimationLoop'?")
 
 
+@case
+def a_subset_of_another_number_of_nodes():
+    """SOFA gives the state that follows as many nodes as indices has, whatever is written."""
+    three = EXACT + '<MechanicalObject name="dofs" position="0 0 0  1 0 0  2 3 0"/><UniformMass totalMass="3"/>'
+    child = '<Node name="c"><MechanicalObject name="s" {}/><SubsetMapping indices="2 1"/></Node>'
+    for written in ('position="9 9 9"', 'position="9 9 9  8 8 8  7 7 7  6 6 6"', 'size="5"', ""):
+        run = Run(root(three + child.format(written)), 5)
+        agree(run.x("c.s"), np.add([[2, 3, 0], [1, 0, 0]], [0, fallen(5), 0]))
+
+
 main()

@@ -678,4 +678,71 @@ def variational_steps_end_where_positions_change_little():
     falls(Run(explicit, 10))
 
 
+def cut_gradients(A, b, iterations, tolerance, B):
+    """Preconditioned conjugate gradients that end where r.B r <= tolerance b.b."""
+    x, r = np.zeros_like(b), b.copy()
+    w = B @ r
+    rho, count = r @ w, 0
+    while count < iterations and rho > tolerance * (b @ b):
+        s = A @ w
+        alpha = rho / (w @ s)
+        x, r = x + alpha * w, r - alpha * s
+        z = B @ r
+        before, rho, count = rho, r @ z, count + 1
+        w = z + rho / before * w
+    return x
+
+
+@case
+def preconditioners_of_sofa():
+    """Cut early, or by a mild tolerance, one preconditioner gives another result than the next. SOFA's sweeps are over single numbers, the
+    upper triangle first."""
+    x = np.array([[i, 0.3 * i ** 2, 0.2 * i] for i in range(9)], float)
+    start = np.array([[0, 0, 0], *([1, -0.5 * i, 2] for i in range(8))])
+    pairs, masses = [(i, i + 1) for i in range(8)], np.linspace(0.2, 2, 9)
+    fields = together(gravity(masses, [1, -10, 0]), springs(pairs, x, 4000))
+    scene = ('<EulerImplicitSolver/><PCGLinearSolver {} {}/>{}<MeshTopology position="'
+             + numbers_of(x) + '" edges="' + " ".join(f"{a} {b}" for a, b in pairs) + '"/><MechanicalObject name="dofs" velocity="'
+             + numbers_of(start) + '"/><DiagonalMass vertexMass="' + numbers_of(masses) +
+             '"/><MeshSpringForceField stiffness="4000"/><FixedConstraint indices="0"/>')
+
+    def inverse(A, kind):
+        D, L, w = np.diag(np.diag(A)), np.tril(A, -1), 1.3
+        if kind == "SSOR":
+            return (2 - w) * np.linalg.inv(np.eye(len(A)) + w * np.linalg.solve(D, L)) @ np.linalg.inv(D / w + L.T)
+        return np.linalg.inv(D) if kind else np.eye(len(A))
+
+    def solve(iterations, tolerance, kind):
+        def of(A, b, _first):
+            free = np.flatnonzero(np.diag(A))
+            held = A[np.ix_(free, free)]
+            out = np.zeros_like(b)
+            out[free] = cut_gradients(held, b[free], iterations, tolerance, inverse(held, kind))
+            return out
+        return of
+
+    for iterations, tolerance in ((3, 1e-30), (40, 1e-2), (40, 1e-4)):
+        ends, numbers = [], f'iterations="{iterations}" tolerance="{tolerance}"'
+        for kind, text in (("", ""), ("Jacobi", '<JacobiPreconditioner name="j"/>'), ("SSOR", '<SSORPreconditioner name="j" omega="1.3"/>')):
+            run = Run(root(scene.format(numbers, 'preconditioner="@j"' if kind else "", text), 'gravity="1 -10 0"'), 5)
+            ends.append(euler(x, np.diag(masses), fields, 5, 0.01, v=start, held=[0], cg=solve(iterations, tolerance, kind)))
+            agree(run.x(), ends[-1], 1e-8)
+        for one, other in ((0, 1), (1, 2), (0, 2)):
+            differ(ends[one], ends[other], 1e-6)
+        blocks = scene.format(numbers, 'preconditioner="@j"', '<SSORPreconditioner name="j" omega="1.3" scalar="0"/>')
+        differ(Run(root(blocks, 'gravity="1 -10 0"'), 5).x(), ends[2], 1e-6)
+
+
+@case
+def a_preconditioner_that_is_kept_for_some_steps():
+    """SOFA solves with one of a former step then, which is told; of each step it is what it is here."""
+    solver = ('<EulerImplicitSolver/><PCGLinearSolver iterations="50" tolerance="1e-14" preconditioner="@p" {}/><SparseLDLSolver name="p"/>'
+              '<PreconditionedMatrixFreeSystem name="s" {}/>')
+    for pcg, system, told in (("", 'assemblingRate="5"', "/s.assemblingRate"), ('update_step="3"', "", "/PCGLinearSolver1.update_step"),
+                              ('update_step="1"', 'assemblingRate="1"', "")):
+        run = Run(root(solver.format(pcg, system) + BODY), 10)
+        falls(run)
+        assert (f"{told}: keeps a preconditioner for as many steps in SOFA" in run.text) == bool(told), run.text
+
+
 main()

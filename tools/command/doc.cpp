@@ -5,6 +5,7 @@
 #include "framework/scene/change_table.h"
 #include "tools/command/attribute_text.h"
 #include "tools/command/component_json.h"
+#include "tools/command/doc_sofa.h"
 #include "tools/command/doc_words.h"
 #include "tools/command/session.h"
 
@@ -71,6 +72,8 @@ int doc(const Arguments& arguments) {
   const std::string page = session.modules().manual(name);
   if (!page.empty()) fmt::print("{}{}\n", page, page.ends_with('\n') ? "" : "\n");
   printAttributes(*component);
+  printSofasWays(name, *component);
+  printSofasAttributes(name, *component);
   return exit_done;
 }
 

@@ -7,6 +7,7 @@
 
 #include "framework/scene/change_table.h"
 #include "tools/command/command.h"
+#include "tools/command/doc_sofa.h"
 #include "tools/command/markdown.h"
 #include "tools/command/words.h"
 
@@ -77,7 +78,7 @@ int explainWord(const std::string& word, const Modules& modules) {
     printScenePage(word.substr(std::min<std::size_t>(word.size(), 6)));
     return exit_done;
   }
-  if (explainSofa(word, modules)) return exit_done;
+  if (explainSofa(word, modules) || explainQuirk(word)) return exit_done;
   if (const Topic* topic = findTopic(word)) {
     print(*topic, modules);
     return exit_done;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tools/command/component_json.h"
+#include "tools/command/doc_sofa.h"
 #include "tools/command/session.h"
 #include "tools/command/words.h"
 
@@ -16,7 +17,7 @@ const Manual list_manual{
     "Lists components with their module and one line of help: all of them, or those whose name, module "
     "or help contains the\nword, and those that belong to a topic of that name, such as contact, units or "
     "boundary conditions. Upper and lower case are the\nsame. `stroma doc TOPIC` tells more of a topic.",
-    "  stroma list\n  stroma list solver\n  stroma list boundary conditions\n"};
+    "  stroma list\n  stroma list solver\n  stroma list boundary conditions\n  stroma list --sofa\n"};
 
 bool has(const std::vector<std::string>& list, std::string_view word) {
   return std::ranges::find(list, word) != list.end();
@@ -59,7 +60,9 @@ void print(const std::vector<const Topic*>& about) {
 
 CommandLine listLine() {
   OptionList options("options");
-  options.add_options()("json", "print them as JSON, with their roles");
+  options.add_options()                                //
+      ("json", "print them as JSON, with their roles")  //
+      ("sofa", "how many of SOFA's attributes are read, have no effect or are refused in its dialect");
   return {list_manual, options, {"WORD..."}};
 }
 
@@ -69,6 +72,7 @@ int list(const Arguments& arguments) {
   const std::string word = values->count("WORD") ? (*values)["WORD"].as<std::string>() : "";
   Session session;
   configure(session, *values);
+  if (values->count("sofa")) return listSofasAttributes(session, values->count("json") > 0);
   const Topic* topic = word.empty() ? nullptr : findTopic(word);
   std::vector<Modules::IndexEntry> found;
   for (const Modules::IndexEntry& entry : session.modules().index())

@@ -22,6 +22,7 @@
 #include "tools/command/results.h"
 #include "tools/command/run_outcome.h"
 #include "tools/command/session.h"
+#include "tools/command/solver_advice.h"
 #include "tools/command/statistics.h"
 #include "tools/command/termination.h"
 #include "tools/profile/report.h"
@@ -245,6 +246,7 @@ struct Run {
     for (const FileUse& input : inputsOf(simulation.scene())) json["inputs"].push_back(input.path);
     if (replay) json["replayed"] = {{"actions", replay->made(simulation)}, {"later", replay->later(simulation)}};
     json["warnings"] = warnings;
+    json["advice"] = outcome.advice;
     if (!outcome.unexpected.empty()) json["not_as_expected"] = outcome.unexpected;
     json["coarse_meshes"] = coarse;
     json["damped_swings"] = damped;
@@ -291,6 +293,7 @@ int runScene(const RunRequest& request, const Values& values) {
   if (!outcome.failed()) std::ranges::move(refusedFromHere(run.session.simulation()), std::back_inserter(found));
   const bool doubts = tellWarnings(outcome.statistics, found, run.warnings);
   if (!outcome.failed()) {
+    outcome.advice = solverAdvice(run.session.simulation(), outcome.statistics);
     run.coarse = tellMeshErrors(run.session.simulation(), request.quiet);
     run.damped = tellDampedSwings(run.session.simulation(), request.quiet);
   }

@@ -165,27 +165,6 @@ nlohmann::ordered_json summary(const RunRequest& request, const Simulation& simu
   return json;
 }
 
-/// A solver that the scene names and that is far from the best, what it took and what to leave out; or empty. The time of
-/// another is an estimate, of one core: the model of AutomaticLinearSolver for a usual mesh.
-std::string slowSolver(const System& system, const RunStatistics& statistics) {
-  constexpr double seconds_a_node = 15e-6, worth_saying = 5;
-  constexpr Index always_factored = 2500;
-  const LinearSolver* solver = system.linearSolver();
-  if (!solver || !choiceOf(*solver).empty() || system.independentRows() < always_factored) return {};
-  const Data* preconditioner = solver->data().find("preconditioner");
-  if (preconditioner && preconditioner->print() == "multigrid") return {};
-  // products that a solver by products asked for are its time too
-  const double spent = system.times.solve + (system.integrator().movesInTime() ? system.times.product : 0);
-  const long solves = std::max({1L, statistics.newton_iterations, long(statistics.step_ms.size())});
-  const double other = seconds_a_node * system.independentRows() * double(solves);
-  if (spent < worth_saying || spent < 3 * other) return {};
-  return fmt::format(
-      "\n{:.3g} s went into {}, about {:.0f} times what multigrid is estimated to take: without <{}> the run chooses its "
-      "{}",
-      spent, solver->path(), spent / other, solver->type(),
-      system.integrator().movesInTime() ? "preconditioner" : "solver");
-}
-
 /// A choice that a solver has changed in the run, or empty.
 std::string changedChoice(const System& system) {
   const LinearSolver* solver = system.linearSolver();
@@ -244,9 +223,9 @@ void printSummary(const RunRequest& request, const Simulation& simulation, const
           steps->print(), system->integrator().path(), approximateFields(*system));
   for (const auto& [path, steps] : stepsAsleep(simulation))
     fmt::print("\n{} of the steps {} did not compute: its body slept", steps, path);
+  for (const std::string& advice : outcome.advice) fmt::print("\n{}", advice);
   for (const auto& system : simulation.systems())
-    fmt::print("{}{}{}", slowSolver(*system, outcome.statistics), closedGaps(*system, outcome.statistics),
-               changedChoice(*system));
+    fmt::print("{}{}", closedGaps(*system, outcome.statistics), changedChoice(*system));
   fmt::print("\nstate hash {:016x}\n", simulation.stateHash());
 }
 

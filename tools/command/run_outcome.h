@@ -11,6 +11,7 @@ struct Outcome : RunReport {
   bool doubted = false;               ///< by a strict run
   int signal = 0;                     ///< that ended it
   std::vector<std::string> failures;  ///< a sentence for each output that could not be written
+  std::vector<std::string> advice;      ///< what to leave out of the scene for a faster run
   std::vector<std::string> unexpected;  ///< a sentence for each expectation of the scene that was not met
 
   bool failed() const {

@@ -17,7 +17,9 @@
 
 #include "framework/mechanics/mapping.h"
 #include "framework/mechanics/signs.h"
+#include "framework/scene/node.h"
 #include "framework/scene/output_file.h"
+#include "framework/simulation/integrator.h"
 #include "tools/command/comparison.h"
 #include "tools/command/job_limits.h"
 #include "tools/command/junit.h"
@@ -49,27 +51,62 @@ std::vector<double> numbersOf(const State& state) {
 
 bool isName(const std::string& name, const std::string& wanted) { return name == wanted || name + "1" == wanted; }
 
-/// The state that a reference is of: by its number among all states or those that nothing places, else by its name.
-const State& stateOf(const SofaReference& reference, const Node& root) {
+/// What SOFA counts: below an integrator; with `mapped` also what a mapping places, and with `outermost` what is in the outermost node.
+std::vector<State*> countedStates(const Node& root, bool mapped, bool simulated, bool outermost) {
   std::vector<State*> all;
   std::vector<Mapping*> mappings;
   root.collect(all);
   root.collect(mappings);
-  std::vector<State*> unmapped = all;
-  std::erase_if(unmapped, [&](const State* state) {
-    return std::any_of(mappings.begin(), mappings.end(), [state](const Mapping* m) { return &m->output() == state; });
+  const auto follows = [&](const State* state) {
+    return std::ranges::any_of(mappings, [state](const Mapping* m) { return &m->output() == state; });
+  };
+  const auto moves = [](const State* state) {  // what holds others here is of the dialect, and SOFA has none there
+    for (const Node* node = &state->node(); node; node = node->parent())
+      for (const auto& each : node->components())
+        if (dynamic_cast<const Integrator*>(each.get()) && !each->name().starts_with("held_by_the_scene_")) return true;
+    return false;
+  };
+  std::erase_if(all, [&](const State* state) {
+    return (!mapped && follows(state)) || (simulated && !moves(state)) || (!outermost && &state->node() == &root);
   });
-  const auto number = std::size_t(reference.number);
-  for (const auto* list : {&unmapped, &all})
-    if (number < list->size() && isName((*list)[number]->name(), reference.state)) return *(*list)[number];
-  const State* found = nullptr;
-  for (const State* state : all) {
-    if (!isName(state->name(), reference.state)) continue;
-    if (found) throw std::runtime_error("several states are called " + reference.state);
-    found = state;
+  return all;
+}
+
+bool isOf(const SofaReference& reference, const State& state) {
+  std::size_t numbers = 0;
+  for (Index i = 0; i < state.size(); ++i) numbers += std::size_t(numbersIn(state.kindOf(i)));
+  return isName(state.name(), reference.state) && numbers == reference.positions.begin()->second.size();
+}
+
+/// The states that references are of. SOFA's two programs for it number the states from the top down, the newer one without the
+/// outermost node's own: the first way to count by which names and numbers of nodes fit, one without other states if there is one.
+/// Else each by its name.
+std::vector<const State*> statesOf(const std::vector<SofaReference>& references, const Node& root, bool mapped_too) {
+  for (int way = 0; way < 16; ++way) {  // ways with all of their states stored, that move, that the list asks for, with the outermost node
+    const bool all_stored = !(way & 8), simulated = !(way & 4), mapped = mapped_too != bool(way & 2), outermost = !(way & 1);
+    const std::vector<State*> counted = countedStates(root, mapped, simulated, outermost);
+    if (all_stored && counted.size() != references.size()) continue;
+    std::vector<const State*> found;
+    for (const SofaReference& reference : references) {
+      const auto number = std::size_t(reference.number);
+      if (number < counted.size() && isOf(reference, *counted[number])) found.push_back(counted[number]);
+    }
+    if (found.size() == references.size()) return found;
   }
-  if (!found) throw std::runtime_error("no state is called " + reference.state);
-  return *found;
+  std::vector<const State*> found;
+  const std::vector<State*> all = countedStates(root, true, false, true);
+  for (const SofaReference& reference : references) {
+    const State* one = nullptr;
+    const bool fits = std::ranges::any_of(all, [&](const State* state) { return isOf(reference, *state); });
+    for (const State* state : all) {
+      if (fits ? !isOf(reference, *state) : !isName(state->name(), reference.state)) continue;
+      if (one) throw std::runtime_error("several states are called " + reference.state);
+      one = state;
+    }
+    if (!one) throw std::runtime_error("no state is called " + reference.state);
+    found.push_back(one);
+  }
+  return found;
 }
 
 /// Every place and number by another way, up to this share of the body's distance from the origin; orientations by angles [rad].
@@ -98,8 +135,9 @@ std::vector<Instants> run(const SofaCase& test, const std::vector<SofaReference>
   session.followMeshChanges();
   double last = 0;
   kinds.clear();
+  for (const State* state : statesOf(references, simulation.root(), test.mapped_too)) kinds.push_back(state->row_kinds);
+  const auto stateAt = [&](std::size_t r) { return statesOf(references, simulation.root(), test.mapped_too)[r]; };
   for (const SofaReference& reference : references) {
-    kinds.push_back(stateOf(reference, simulation.root()).row_kinds);
     last = std::max(last, reference.positions.rbegin()->first);
   }
   if (shift != 0) moveALittle(simulation, shift);
@@ -111,7 +149,7 @@ std::vector<Instants> run(const SofaCase& test, const std::vector<SofaReference>
     for (std::size_t r = 0; r < references.size(); ++r)
       for (const auto& [time, values] : references[r].positions)
         if (std::abs(time - begin - t) < 0.01 * h || std::abs(time - t) < 0.01 * h)
-          if (const State& state = stateOf(references[r], simulation.root()); state.isBound()) found[r][time] = numbersOf(state);
+          if (const State* state = stateAt(r); state->isBound()) found[r][time] = numbersOf(*state);
     if (t > last - 0.5 * h) return found;
     const StepReport report = session.step();
     if (report.failed())

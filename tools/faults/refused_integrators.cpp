@@ -51,12 +51,19 @@ std::string differenceOf(const Component& a, const Component& b, int depth = 0) 
 
 /// Why one of them cannot move the bodies of both, to be added to a sentence; empty: it can.
 std::string whyApart(const Integrator& a, const Integrator& b) {
-  if (a.movesInTime() != b.movesInTime() || a.stateOwner() || b.stateOwner()) return ". They cannot make a common step";
+  if (a.movesInTime() != b.movesInTime() || (a.stateOwner() && b.stateOwner())) return ". They cannot make a common step";
+  if (a.stateOwner() || b.stateOwner()) return {};  // it moves others beside its own, and rejects what it cannot move
   const auto text = [](const Data* data) { return !data || data->print() == "false" ? std::string("0") : data->print(); };
   for (const char* damping : {"rayleighStiffness", "rayleighMass", "vdamping", "velocityThreshold", "firstOrder"})
     if (text(a.data().find(damping)) != text(b.data().find(damping)))
       return fmt::format(". {} would apply to both: put the damping of one body on its force fields and masses", damping);
   return {};
+}
+
+/// A StateOwner moves the bodies of the other one as that would.
+bool movesAlike(const Integrator& owner, const Integrator& other) {
+  if (!owner.stateOwner() || owner.movesInTime() != other.movesInTime() || other.type() != usualComponent(Part::integrator)) return false;
+  return std::ranges::none_of(other.data().all(), [](const Data& each) { return each.isSet() && !each.link() && each.name() != "name"; });
 }
 
 /// "/lower/solver (scene.xml:5)"
@@ -88,7 +95,7 @@ void refuseUnmoved(const Component& actor, const State& state, Diagnostics& diag
 void tellDifference(const Component& actor, const State& a, const State& b, const Integrator& mine, const Integrator& other,
                     Diagnostics& diagnostics) {
   const std::string difference = differenceOf(mine, other);
-  if (difference.empty()) return;
+  if (difference.empty() || movesAlike(mine, other)) return;
   const std::string problem =
       fmt::format("the {} {} couples {} and {}, which then move in one system, but their integrators {} and {} differ: {}",
                   actor.roleText(), actor.path(), a.path(), b.path(), placed(mine), placed(other), difference);

@@ -201,10 +201,16 @@ class Carrier {
   }
 
   void takeSystem(const System& system) {
-    const std::string owner = system.integrator().path() + ":system";
-    for (auto& [name, entry] : valuesOf(owner, values_)) {
-      const auto kept = kept_.find(name);
-      if (kept != kept_.end() && kept->second.bytes.size() == entry.bytes.size()) values_[name] = kept->second;
+    const std::string owner = system.integrator().path();
+    takeNamed(owner + ":system:");
+    takeNamed(owner + ":linear solver:after_mesh_changes");  // what linear solvers keep
+  }
+
+  /// Values of the same sizes, whose names begin so.
+  void takeNamed(const std::string& start) {
+    for (auto at = values_.lower_bound(start); at != values_.end() && at->first.starts_with(start); ++at) {
+      const auto kept = kept_.find(at->first);
+      if (kept != kept_.end() && kept->second.bytes.size() == at->second.bytes.size()) at->second = kept->second;
     }
   }
 

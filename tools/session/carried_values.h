@@ -20,7 +20,8 @@ struct ChangedMesh {
 
 /// The checkpoint of `before` converted for `after`: positions and velocities by node, component data by node and by cell, and
 /// unchanged times. New points are interpolated by their weights. Any other data is reset, and its owner is listed in `anew`.
-/// Solvers restart. Throws ComponentError if a component cannot continue.
+/// Solvers restart, but for what they keep under names that begin with "after_mesh_changes". Throws ComponentError if a component
+/// cannot continue.
 Archive carriedValues(Simulation& before, Simulation& after, const std::vector<ChangedMesh>& meshes,
                       std::vector<std::string>& anew);
 

@@ -30,7 +30,8 @@ constexpr std::string_view of_nodes[] = {"indices",
                                          "rigidIndexPerPoint",
                                          "repartition"};
 /// Lists of whole numbers that number nothing of a mesh.
-constexpr std::string_view of_nothing[] = {"coordinates", "polynomialDegree", "densityOfBeams", "numEdgesCollis", "nbRef"};
+constexpr std::string_view of_nothing[] = {"coordinates",    "polynomialDegree", "densityOfBeams",
+                                           "numEdgesCollis", "nbRef",            "excludedPairs"};
 
 /// Whole numbers that name one node each.
 constexpr std::string_view of_one_node[] = {"sliding_point", "axis_1", "axis_2", "plateNode", "object2_dof_index"};

@@ -5,7 +5,10 @@
 #include <charconv>
 #include <map>
 
+#include "framework/scene/change_table.h"
+#include "framework/scene/common_attributes.h"
 #include "framework/scene/text.h"
+#include "tools/sofa/declared_attributes.h"
 #include "tools/sofa/rewriting.h"
 
 namespace stroma::sofa {
@@ -28,7 +31,7 @@ bool matches(std::string_view pattern, std::string_view word) {
 /// What SOFA's component computes and keeps in an attribute: saved with the scene, and computed again from the rest.
 bool isKeptBySofa(std::string_view type, std::string_view attribute) {
   static const std::map<std::string_view, List> table = {
-      {"NonUniformHexahedronFEMForceField", {"stiffnessMatrices"}},
+      {"BoxROI", {"nbrborder"}}, {"NonUniformHexahedronFEMForceField", {"stiffnessMatrices"}},
       {"HexahedronCompositeFEMForceField", {"stiffnessMatrices"}},
       {"SphereForceField", {"contacts"}},
       {"ConicalForceField", {"contacts"}},
@@ -41,13 +44,18 @@ bool isKeptBySofa(std::string_view type, std::string_view attribute) {
       {"TriangularFEMForceFieldOptim", {"damping", "triangleInfo", "triangleState", "vertexInfo", "edgeInfo"}},
       {"FastTetrahedralCorotationalForceField", {"pointInfo", "edgeInfo", "tetrahedronInfo"}},
       {"TetrahedronFEMForceField", {"vonMisesPerElement", "vonMisesPerNode", "vonMisesStressColors", "edgeInfo", "initialPoints"}},
-      {"TetrahedralCorotationalFEMForceField", {"vonMisesPerElement", "vonMisesPerNode"}},
+      {"TetrahedralCorotationalFEMForceField", {"vonMisesPerElement", "vonMisesPerNode", "tetrahedronInfo"}},
       {"HexahedronFEMForceField", {"stiffnessMatrices", "hexahedronInfo", "initialPoints"}},
+      {"MeshSpringForceField",  // which makes its springs of the mesh
+       {"spring", "springsIndices1", "indices1", "springsIndices2", "indices2", "lengths", "length", "elongationOnly", "enabled"}},
       {"TriangularBendingSprings", {"edgeInfo"}},
       {"FastTriangularBendingSprings", {"edgeInfo"}},
-      {"TriangularAnisotropicFEMForceField", {"localFibersDirection"}},
       {"EulerImplicitSolver", {"residual", "reverseAccumulateOrder"}},
-      {"MeshMatrixMass", {"graph"}},
+      {"MeshMatrixMass", {"graph"}}, {"VariationalSymplecticSolver", {"hamiltonianEnergy"}},
+      {"NewtonRaphsonSolver", {"status", "residualGraph"}}, {"CGLinearSolver", {"graph"}}, {"PCGLinearSolver", {"graph"}},
+      {"MinResLinearSolver", {"graph"}}, {"EdgePressureForceField", {"edgePressureMap"}},
+      {"TriangularAnisotropicFEMForceField", {"localFibersDirection", "triangleInfo", "vertexInfo"}},
+      {"TetrahedronHyperelasticityFEMForceField", {"tetrahedronInfo", "edgeInfo"}},
       {"FEMMass", {"elementMassMatrix"}},
       {"SubsetMapping", {"resizeToModel"}},  // to its indices, as it has anyway
       {"LineCollisionModel", {"displayFreePosition"}},
@@ -150,7 +158,7 @@ std::string_view typeHere(std::string_view type) {
       {"FixedWeakConstraint", "RestShapeSpringsForceField"}, {"NodalLinearDampingForceField", "DiagonalVelocityDampingForceField"},
       {"TriangleBendingSprings", "TriangularBendingSprings"}, {"SparsePARDISOSolver", "SparseLDLSolver"},
       {"SparseTAUCSSolver", "SparseLDLSolver"}, {"SparseTAUCSLLtSolver", "SparseLDLSolver"}, {"CudaSparseLDLSolver", "SparseLDLSolver"},
-      {"LMDNewProximityIntersection", "LocalMinDistance"}, {"CCDTightInclusionIntersection", "NewProximityIntersection"},
+      {"LMDNewProximityIntersection", "LocalMinDistance"},
       {"BeamLinearMapping_mt", "BeamLinearMapping"}, {"ManifoldEdgeSetTopologyContainer", "EdgeSetTopologyContainer"},
       {"ManifoldTriangleSetTopologyContainer", "TriangleSetTopologyContainer"},
       {"ManifoldTetrahedronSetTopologyContainer", "TetrahedronSetTopologyContainer"},
@@ -190,7 +198,26 @@ std::string_view typeHere(std::string_view type) {
   return found == types.end() ? type : found->second;
 }
 
-bool hasNoEffect(std::string_view type, std::string_view attribute) {
+/// Lists that SOFA's loaders fill from their files.
+static bool isOfFile(std::string_view type, std::string_view attribute) {
+  static const List lists = {"position", "polylines", "edges", "triangles", "quads", "polygons", "tetrahedra", "tetras", "hexahedra",
+                             "hexas", "prisms", "pentas", "pentahedra", "pyramids", "normals", "edgesOnBorder", "trianglesOnBorderList",
+                             "faceList", "normalsIndex", "texcoordsIndex", "positionsDefinition", "texcoordsDefinition",
+                             "normalsDefinition", "vertPosIdx", "vertNormIdx"};
+  if (!type.ends_with("Loader")) return false;
+  return contains(lists, attribute) || attribute.ends_with("Groups") || attribute.starts_with("highOrder");
+}
+
+/// Lists that SOFA's grids make themselves. A sparse one takes a surface.
+static bool isOfGrid(std::string_view type, std::string_view attribute) {
+  static const List lists = {"edges", "lines", "tetrahedra", "tetras", "hexahedra", "hexas", "prisms", "pentahedra", "pentas", "pyramids",
+                             "uv", "texcoords", "computePointList", "createTexCoords"};
+  const bool is_surface = isAnyOf(attribute, {"position", "points", "triangles", "quads", "filename", "fileTopology"});
+  if (type == "RegularGridTopology") return is_surface || contains(lists, attribute);
+  return type == "SparseGridTopology" && contains(lists, attribute);
+}
+
+bool hasNoEffect(std::string_view type, std::string_view attribute) {  // long because it is a table
   static const std::map<std::string_view, List> table = {
       {"*",
        {"printLog", "listening", "tags", "bbox", "componentState", "linearSystem", "linearSystemName", "orderingMethod",
@@ -199,7 +226,8 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
         "numberOfThreads", "multithreading", "depend", "gatherPt", "gatherBsize",
         "isVisible", "reserve", "checkTopology", "checkConnexity", "computeAllBuffers", "debug", "applyTranslation",
         "L_nnz", "savingPrecision", "subpartSolve", "isCompliance", "arrowSizeCoef",
-        "highlightSurface", "drawing", "color", "schedulerThreads", "parallelizeBuildMatrix"}},
+        "highlightSurface", "drawing", "color", "schedulerThreads", "parallelizeBuildMatrix", "numberOfContacts", "previous", "next",
+        "constraintIndex"}},
       {"MechanicalObject",
        {"force", "derivX", "free_position", "free_velocity", "constraint", "mappingJacobian", "reset_velocity",
         "reset_position", "dx_free", "vfree", "translationRotation", "listRadius"}},
@@ -235,11 +263,13 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
       {"RigidRigidMapping", {"axisLength"}}, {"ClusteringEngine", {"fixedRadius", "outFile"}},
       {"PositionBasedDynamicsProjectiveConstraint", {"velocity", "old_position", "topology"}},
       {"RestShapeSpringsForceField", {"topology"}}, {"SpringForceField", {"topology"}},
+      {"LinearForceField", {"topology"}}, {"AttachProjectiveConstraint", {"topology1", "topology2"}},
+      {"UncoupledConstraintCorrection", {"ODESolver"}},
       {"BilateralLagrangianConstraint",
-       {"activateAtIteration", "merge", "derivative", "topology1", "topology2", "constraintIndex"}},
+       {"activateAtIteration", "merge", "derivative", "topology1", "topology2"}},
       {"SlidingLagrangianConstraint", {"force"}},
       {"BarycentricMapping", {"applyRestPosition"}}, {"IdentityMapping", {"applyRestPosition"}},
-      {"SubsetMapping", {"applyRestPosition"}}, {"SphereROI", {"doUpdate"}}, {"BoxROI", {"doUpdate", "isVisible", "computeQuad"}},
+      {"SubsetMapping", {"applyRestPosition"}}, {"SphereROI", {"doUpdate"}}, {"BoxROI", {"doUpdate", "isVisible"}},
       {"EulerImplicitSolver", {"solveConstraint", "computeResidual"}},
       {"EulerExplicitSolver", {"optimizedForDiagonalMatrix"}},
       {"HexahedronCompositeFEMForceField",
@@ -248,7 +278,32 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
   for (const std::string_view key : {std::string_view("*"), type})
     if (const auto found = table.find(key); found != table.end() && contains(found->second, attribute))
       return true;
-  return isKeptBySofa(type, attribute);
+  if (type.ends_with("Mass") && attribute == "rayleighStiffness" && !type.ends_with("AndMass")) return true;
+  return isOfFile(type, attribute) || isOfGrid(type, attribute) || isKeptBySofa(type, attribute);
+}
+
+/// What other passes take, which go before that over the attributes.
+static bool isTranslated(std::string_view type, std::string_view attribute) {
+  static const std::map<std::string_view, List> table = {
+      {"MechanicalObject", {"externalForce", "filename"}}, {"SpringForceField", {"filename", "fileSprings"}},
+      {"DiagonalMass", {"filename", "fileMass"}}, {"RigidMapping", {"filename", "fileRigidMapping"}},
+      {"SphereCollisionModel", {"filename", "fileSphere"}}, {"BilateralLagrangianConstraint", {"numericalTolerance"}},
+      {"TetrahedronFEMForceField", {"plasticYieldThreshold", "plasticCreep"}}, 
+      {"SubsetTopology", {"localIndices", "centers", "radii", "direction", "normal", "edgeAngle", "triAngle"}}};
+  if (attribute == "isMechanical") return type.ends_with("Mapping");
+  if (attribute == "filename" || attribute == "fileTopology")
+    if (type == "MeshTopology" || type.starts_with("SparseGrid") || type.ends_with("TopologyContainer")) return true;
+  if (type.starts_with("SparseGrid") && isAnyOf(attribute, {"xmin", "xmax", "ymin", "ymax", "zmin", "zmax"})) return true;
+  const auto found = table.find(type);
+  return found != table.end() && contains(found->second, attribute);
+}
+
+Treatment treatmentOf(std::string_view type, std::string_view attribute, const DataTable& here) {
+  const std::string_view ours = typeHere(type);
+  const bool is_common = std::ranges::find(commonAttributes(), attribute) != commonAttributes().end();
+  if (here.find(attribute) || is_common || isTranslated(type, attribute)) return Treatment::read;
+  const bool draws = contains(visualAttributes(), attribute) || attribute.starts_with("show") || attribute.starts_with("draw");
+  return draws || here.isVisualOnly(attribute) || hasNoEffect(ours, attribute) ? Treatment::no_effect : Treatment::refused;
 }
 
 bool isReadBySofa(std::string_view type, std::string_view attribute) {

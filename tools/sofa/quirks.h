@@ -7,13 +7,23 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/scene/data.h"
+
 namespace stroma::sofa {
 
+/// An attribute that stands for a quirk in a native scene.
+struct QuirkPart {
+  std::string_view types;  ///< of components, with blanks between; "*": all that have the attribute; "Node": of nodes
+  std::string_view attribute;
+  std::string_view value;  ///< empty: it depends on the scene
+};
 struct Quirk {
   std::string_view name, what;
+  std::vector<QuirkPart> parts;
 };
 const std::vector<Quirk>& allQuirks();
 std::vector<std::string> quirkNames();
+bool concerns(const QuirkPart& part, std::string_view type, const DataTable& attributes);
 
 /// Those of one scene, and what each of them changed.
 class Quirks {

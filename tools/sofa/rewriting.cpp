@@ -69,10 +69,12 @@ void Rewriting::run() {
   keepOneIntegrator(tree_->root(), false);
   joinBodies();
   dropIdle(tree_->root(), false);
+  leaveOutInertia();
   holdMassless(tree_->root(), false);
   chooseSolvers();
   dropUnusedSolvers();
   dropIdleEngines();
+  findNodesOfRegions();
   dropUnusedLoaders();
   dropIdleWatch();
   tree_->forEach([this](Element& element) { rewriteLinks(element); });

@@ -39,6 +39,9 @@ class Rewriting {
   void makeChains();                // rewritten_shapes.cpp
   void meanThinCells(Element& field);
   void meanJoint(Element& joint);   // rewritten_shapes.cpp
+  void findNodesOfRegions();        // rewritten_shapes.cpp
+  void emptyRegion(Element& region);
+  void meanEmbedding(Element& mapping);  // rewritten_shapes.cpp
   void splitPlasticity(Element& field);
   void divideSteps();
   void chooseSolvers();
@@ -165,6 +168,7 @@ class Rewriting {
   // ---- rewritten_masses.cpp ----
   void meanMass(Element& element);
   void meanLists(Element& mass);
+  void leaveOutInertia();
   void addToOthers(Element& mass);
   void warnOfWeight(const Element& mass, const Element& state);
   void shareMass(Element& mass, const Element& state);
@@ -173,6 +177,10 @@ class Rewriting {
   bool hasMass(const Place& place) const;
   bool actsIn(const Place& place, const std::set<std::string>& roles) const;
   bool isPulledThroughOthers(const Element& state) const;
+
+  // ---- rewritten_searches.cpp ----
+  void meanSearch(Element& solver);
+  static Element* searchOf(const Element& integrator);
 
   // ---- rewritten_solvers.cpp ----
   void meanSolver(Element& element);
@@ -221,6 +229,7 @@ class Rewriting {
   std::map<const Element*, std::string> layers_;               ///< by the load whose triangles lie in a box
   std::string turn_tolerance_;                                 ///< of frames that are tied
   bool has_solids_ = false;  ///< capsules or boxes, which are surfaces here
+  std::set<const Element*> blind_;                             ///< regions that find no nodes in SOFA
   std::vector<Element*> parts_;                                ///< regions whose cells count their own nodes
   std::unique_ptr<SceneTree> tree_;
 };

@@ -12,6 +12,7 @@
 #include "framework/scene/change_table.h"
 #include "framework/scene/common_attributes.h"
 #include "framework/scene/text.h"
+#include "tools/sofa/declared_attributes.h"
 #include "tools/sofa/rewriting.h"
 
 namespace stroma::sofa {
@@ -298,21 +299,26 @@ bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& a
 
 bool Rewriting::keepsUnknown(Element& element, const AttributeDescription& attribute) {
   const std::string& type = element.written->type;
+  const std::string& abroad = element.type_abroad.empty() ? type : element.type_abroad;
+  const DeclaredAttribute* declared = findDeclared(abroad, attribute.name);
   if (contains(commonAttributes(), attribute.name)) return true;
   if (isDrawing(attribute.name) || element.probe->data().isVisualOnly(attribute.name))
     return noEffect(type + "." + attribute.name), false;
   if (trimmed(attribute.value).empty() && !attribute.typed) return noEffect(type + "." + attribute.name), false;
-  if (isReadBySofa(type, attribute.name)) {
-    if (isSofasDefault(attribute.name, trimmed(attribute.value)))
+  if (declared || isReadBySofa(type, attribute.name)) {
+    const bool is_default = !attribute.typed && declared && isDefault(*declared, trimmed(attribute.value));
+    if (is_default || isSofasDefault(attribute.name, trimmed(attribute.value)))
       return noEffect(type + "." + attribute.name), false;
     diagnostics_.error(attribute.where, element.path() + "." + attribute.name,
-                       "SOFA's " + type + " reads " + inQuotes(attribute.name) +
+                       "SOFA's " + abroad + " reads " + inQuotes(attribute.name) +
                            ", which is not available here: without it the result would be another");
     return false;
   }
+  std::vector<std::string> names = element.probe->data().names();
+  for (const DeclaredAttribute& other : declaredAttributes(abroad)) names.emplace_back(other.name);
+  const std::string also = declaredAttributes(abroad).empty() ? " here: " : ", nor has SOFA's: ";
   warn(attribute.where, element, attribute.name,
-       type + " has no attribute " + inQuotes(attribute.name) + " here: the scene runs without it",
-       nearest(attribute.name, element.probe->data().names()));
+       type + " has no attribute " + inQuotes(attribute.name) + also + "the scene runs without it", nearest(attribute.name, names));
   return false;
 }
 

@@ -53,11 +53,13 @@ void Rewriting::applyMeaning(Element& element) {
     setDefault(element, "applyRestPosition", "false");
   if (element.role() == "mapping") holdArms(element);
   if (isAnyOf(element.written->type, {"RigidMapping", "RigidRigidMapping"})) meanCarried(element);
-  if (element.is("IdentityMapping")) setDefault(element, "resizes", "true");
-  if (element.is("BarycentricMapping")) warnOfFrames(element), setQuirk(element, "centre-cells", "foundBy", "centres");
+  if (isAnyOf(element.written->type, {"IdentityMapping", "SubsetMapping"})) setDefault(element, "resizes", "true");
+  if (element.is("BarycentricMapping")) warnOfFrames(element), meanEmbedding(element);
   if (element.is("CollisionResponse")) takeFriction(element);
   if (role == "engine" || role == "mesh engine") warnOfChance(element);
   if (element.is("ValuesFromPositions")) setDefault(element, "extent", "x");
+  if (element.is("SSORPreconditioner") && !element.text("template").ends_with("Mat3x3")) setDefault(element, "scalar", "true");
+  if (element.is("IndexValueMapper")) setDefault(element, "value", "0");
   if (element.is("ValuesFromPositions") && writtenNumbers(element.text("inputValues")).size() != 1)
     warn(element.written->where, element, "direction", "runs from the least x to the largest, whichever way it points, as in SOFA");
   for (const char* name : {"first", "last"})  // -1: not given
@@ -93,6 +95,7 @@ void Rewriting::meanSelection(Element& element) {
   Element* above = is_told || here.firstOf("mechanical state") || here.firstOf("mesh loader") ? nullptr : here.nearest("mechanical state");
   if (above && here.firstOf("topology")) element.set("position", SceneTree::linkTo(*above) + ".rest_position");
   setDefault(element, "allowEmpty", "true");
+  if (blind_.count(&element)) emptyRegion(element);
   if (element.probe->data().find("exactBorder")) setQuirk(element, "exact-borders", "exactBorder", "true");
   if (element.is("PlaneROI") && element.find("plane") && !element.text("plane").starts_with("@"))
     element.set("plane", cornersInOrder(element.text("plane")));

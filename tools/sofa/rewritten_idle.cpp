@@ -117,12 +117,18 @@ void Rewriting::warnOfIgnored(const Element& element) {
   static constexpr Ignored all[] = {
       {"LocalMinDistance", "useLMDFilters", "0", "filters contacts in SOFA by components of their own: here it does not"},
       {"LMDNewProximityIntersection", "angleCone", "0", "keeps contacts within a cone in SOFA: here those of the nearest places"},
-      {"CCDTightInclusionIntersection", "continuousCollisionType", "None",
-       "finds contacts on the way of a step in SOFA: here where it starts"},
       {"MeshOBJLoader", "handleSeams", "0", "splits nodes at the seams of textures in SOFA: here they stay one"},
+      {"PreconditionedMatrixFreeSystem", "assemblingRate", "1",
+       "keeps a preconditioner for as many steps in SOFA: here it is that of the step, and solves end elsewhere within their tolerance"},
+      {"PCGLinearSolver", "update_step", "1",
+       "keeps a preconditioner for as many steps in SOFA: here it is that of the step, and solves end elsewhere within their tolerance"},
       {"LineCollisionModel", "LineActiverPath", "", "leaves some lines out of contacts in SOFA: here all take part"},
       {"PointCollisionModel", "PointActiverPath", "", "leaves some points out of contacts in SOFA: here all take part"},
   };
+  if (element.is("CCDTightInclusionIntersection") && element.text("continuousCollisionType") == "FreeMotion")
+    warn(element.find("continuousCollisionType")->where, element, "continuousCollisionType",
+         "finds contacts on the free motion of a step in SOFA: here on straight paths, at the velocities of its start, and as far beside "
+         "them as gravity moves in a step");
   for (const Ignored& each : all) {
     const AttributeDescription* given = element.is(each.type) ? element.find(each.attribute) : nullptr;
     if (!given || given->typed) continue;

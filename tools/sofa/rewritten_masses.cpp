@@ -87,6 +87,44 @@ void Rewriting::meanLists(Element& mass) {
   mass.set("totalMass", "1");
 }
 
+/// SOFA's explicit steps divide forces by the mass of each state itself. What follows it has a weight, and no inertia.
+void Rewriting::leaveOutInertia() {
+  std::vector<Element*> masses;
+  tree_->forEach([&](Element& mass) {
+    const Element* integrator = mass.place->nearest("integrator");
+    const Element* state = mass.place->nearest("mechanical state");
+    const bool of_points = state && (state->text("template").empty() || state->text("template").starts_with("Vec3"));
+    const bool is_explicit =
+        integrator && isAnyOf(integrator->written->type,
+                              {"EulerExplicitSolver", "RungeKutta2Solver", "RungeKutta4Solver", "CentralDifferenceSolver"});
+    if (!mass.dropped && mass.is("UniformMass") && is_explicit && of_points && isMapped(*state) && state->place == mass.place)
+      masses.push_back(&mass);
+  });
+  for (Element* mass : masses) {
+    const bool is_total = mass->find("totalMass") || !mass->find("vertexMass");
+    const std::vector<double> sizes = writtenNumbers(is_total ? mass->text("totalMass") : mass->text("vertexMass"));
+    const bool is_given = mass->find("totalMass") || mass->find("vertexMass");
+    const bool is_chosen = mass->find("indices") || mass->find("localRange");
+    if ((is_given && sizes.empty()) || is_chosen || !quirks_.use("moved-inertia", mass->path())) continue;
+    std::vector<double> weight = {0, -9.81, 0};
+    for (const Place* place = mass->place; place; place = place->parent)
+      if (const AttributeDescription* gravity = place->node->find("gravity")) {
+        weight = writtenNumbers(gravity->value);
+        break;
+      }
+    if (weight.size() != 3) continue;
+    for (double& each : weight) each *= is_given ? sizes[0] : 1;
+    const SourceLocation where = mass->written->where;
+    diagnostics_.note(where, mass->path(), "is a weight without inertia in explicit steps, as in SOFA");
+    mass->dropped = true;
+    tree_->add(*mass->place, {"ConstantForceField",
+                              {{"name", mass->name + "_weight", where},
+                               {"emptyMeansAll", "true", where},
+                               {is_total ? "totalForce" : "force", printed(weight), where}},
+                              where, mass->written->folder});
+  }
+}
+
 /// A second mass of a state has to name it here.
 void Rewriting::addToOthers(Element& mass) {
   Element* state = mass.place->nearest("mechanical state");

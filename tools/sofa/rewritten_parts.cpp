@@ -54,8 +54,6 @@ void Rewriting::renameType(Element& element) {
   meanOfNames(element);
   if (type == "CompositeCollisionPipeline" || type == "MultiCollisionPipeline")
     warn(element.written->where, element, {}, "has pipelines for groups of models in SOFA: here all models may meet each other");
-  if (type == "CCDTightInclusionIntersection")
-    warn(element.written->where, element, {}, "looks for contacts on the ways of a step in SOFA: here they are found where it starts");
   if (Element* state = type == "AverageCoord" && !element.find("vertices") ? element.place->nearest("mechanical state") : nullptr)
     element.set("vertices", SceneTree::linkTo(*state) + ".position");
   if (type == "AsyncSparseLDLSolver")

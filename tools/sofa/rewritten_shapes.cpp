@@ -134,4 +134,54 @@ void Rewriting::meanJoint(Element& joint) {
   joint.remove("articulationProcess");
 }
 
+/// A region takes the nodes of the state beside it, else of a loader beside it, else of a state above. Meshes do not count.
+void Rewriting::findNodesOfRegions() {
+  tree_->forEach([this](Element& region) {
+    const bool takes_nodes = region.role() == "selection" && region.probe->data().find("allowEmpty");
+    if (!takes_nodes || region.find("position") || region.find("rest_position")) return;
+    const Place& here = *region.place;
+    if (here.has("mechanical state")) return;
+    Element* loader = here.firstOf("mesh loader");
+    if (loader && !here.has("topology")) region.set("position", SceneTree::linkTo(*loader) + ".position");
+    if (!loader && !here.nearest("mechanical state")) blind_.insert(&region);
+  });
+}
+
+/// Some regions begin with node 0 selected, and keep it where they find no nodes.
+void Rewriting::emptyRegion(Element& region) {
+  const bool keeps_first = isAnyOf(region.type_abroad, {"BoxROI", "SphereROI", "MeshROI"});
+  const std::string link = SceneTree::linkTo(region);
+  bool is_asked = false;
+  if (keeps_first)
+    tree_->forEach([&](Element& element) {
+      for (AttributeDescription& attribute : element.written->attributes)
+        if (isAnyOf(attribute.value, {link + ".indices", link + ".pointIndices"})) attribute.value = "0", is_asked = true;
+    });
+  region.set("position", "");
+  warn(region.written->where, region, {},
+       is_asked ? "finds no state or loader to take nodes of: its indices are node 0, as in SOFA"
+                : "finds no state or loader to take nodes of: it selects nothing, as in SOFA",
+       "position=\"@state.rest_position\"");
+}
+
+/// SOFA finds the cell of a point off a mesh by its centre, and that of a point in a grid where the grid is. A state that scales, turns and
+/// translates its nodes takes the origin of a RegularGridTopology with it, and neither its axes nor its spacing; a SparseGridTopology
+/// stays, and so do grids whose state has positions of its own.
+void Rewriting::meanEmbedding(Element& mapping) {
+  setQuirk(mapping, "centre-cells", "foundBy", "centres");
+  const Place* parent = mapping.place->parent;
+  const Element* state = parent ? parent->nearest("mechanical state") : nullptr;
+  const Element* grid = state ? state->place->firstOf("topology") : nullptr;
+  if (!grid || !isAnyOf(grid->written->type, {"RegularGridTopology", "SparseGridTopology"})) return;
+  const auto gives = [state](std::initializer_list<const char*> names) {
+    return std::any_of(names.begin(), names.end(), [state](const char* name) { return state->find(name) != nullptr; });
+  };
+  const bool has_places = gives({"position", "rest_position", "src", "filename"});
+  const bool moves = gives({"scale", "scale3d", "rotation", "translation", "rotation2", "translation2", "sx", "sy", "sz", "rx", "ry", "rz",
+                            "dx", "dy", "dz", "rx2", "ry2", "rz2", "dx2", "dy2", "dz2"});
+  if (!has_places && !moves) return;
+  const bool stays = has_places || grid->is("SparseGridTopology");
+  setQuirk(mapping, "centre-cells", "cellsOf", stays ? "grid" : "moved_grid");
+}
+
 }  // namespace stroma::sofa

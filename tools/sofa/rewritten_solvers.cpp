@@ -78,16 +78,8 @@ static std::vector<std::string> leaveOutDampingOfParts(SceneTree& tree, const El
 
 void Rewriting::meanSolver(Element& element) {
   const std::string& type = element.written->type;
-  if (type == "CGLinearSolver" || type == "PCGLinearSolver" || type == "MinResLinearSolver") {
-    setDefault(element, "iterations", "25");
-    setDefault(element, "tolerance", "1e-05");
-  }
-  if (type == "CGLinearSolver") {
-    const std::string threshold = element.find("threshold") ? element.text("threshold") : "1e-05";
-    element.remove("threshold");
-    setDefault(element, "preconditioner", "none");
-    setQuirk(element, "cg-threshold", "absoluteThreshold", threshold);
-  }
+  if (isAnyOf(type, {"CGLinearSolver", "PCGLinearSolver", "MinResLinearSolver"})) meanSearch(element);
+  if (type == "NewmarkImplicitSolver" && searchOf(element)) setQuirk(element, "cg-threshold", "fromZeroAcceleration", "true");
   if (type == "EulerImplicitSolver" && !saysYes(element.text("trapezoidalScheme"))) setDefault(element, "allowMassless", "true");
   for (const char* implicit : {"EulerImplicitSolver", "TrapezoidalRuleSolver", "NewmarkImplicitSolver", "BDFOdeSolver"})
     if (type == implicit) setDefault(element, "newtonIterations", "1");
@@ -296,7 +288,8 @@ void Rewriting::takeFriction(Element& response) {
     response.set("response", answer.substr(0, mark));
     if (mark != std::string::npos) response.set("responseParams", answer.substr(mark + 1));
   }
-  const bool pushes = isAnyOf(response.text("response"), {"", "default", "PenalityContactForceField"});
+  if (word.empty()) response.set("response", "PenalityContactForceField");
+  const bool pushes = isAnyOf(response.text("response"), {"default", "PenalityContactForceField"});
   if (pushes && !groups && !response.place->nearest("integrator")) setQuirk(response, "isolated-springs", "explicitBetween", "true");
   listContacts(response, method);
   const bool rubs = response.text("response").find("Friction") != std::string::npos;

@@ -86,6 +86,12 @@ void Rewriting::meanState(Element& element) {
   for (const char* name : {"position", "rest_position", "src", "topology"}) is_given = is_given || element.find(name);
   if (meshes > 1 && first && !is_given)
     element.set("topology", SceneTree::linkTo(*first));
+  // one node at the origin, which is then moved: a frame as scenes of rigid bodies write it
+  bool is_moved = element.text("template").starts_with("Rigid");
+  for (const char* name : {"dx", "dy", "dz", "rx", "ry", "rz", "translation", "rotation", "translation2", "rotation2", "externalForce"})
+    is_moved = is_moved || element.find(name);
+  const bool is_alone = !is_given && !element.find("size") && !element.place->nearest("topology") && !isMapped(element);
+  if (is_moved && is_alone && !element.find("valuesFromMesh")) element.set("size", "1");
 }
 
 }  // namespace stroma::sofa

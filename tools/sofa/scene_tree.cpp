@@ -96,6 +96,7 @@ void SceneTree::build(Place& place, NodeDescription& node) {
     component.type = std::string(presentType(component.type));
     auto element = std::make_unique<Element>();
     element->written = &component;
+    element->type_abroad = component.type;
     element->place = &place;
     const std::string given = component.name();
     element->name = unique(given.empty() ? component.type + std::to_string(++counts[component.type]) : given);

@@ -45,6 +45,7 @@ struct Element {
   Place* place = nullptr;
   std::string name;                  ///< by which links find it
   std::string other_name;            ///< by which they find it too: as the scene has it, where that has blanks
+  std::string type_abroad;           ///< SOFA's, whatever `written` becomes
   std::unique_ptr<Component> probe;  ///< null: there is no such component here
   bool without_effect = false;       ///< accepted: what only draws, schedules or keeps books
   bool dropped = false;
