@@ -24,6 +24,11 @@
 #include "framework/simulation/step_limits.h"
 
 namespace stroma {
+namespace {
+
+bool isLive(const LagrangianRows::Row& row) { return row.kind != LagrangianRows::Kind::given || row.factor != 0; }
+
+}  // namespace
 
 void CondensedIntegrator::compileConditions(System& system) {
   CondensedConditions& c = conditions_;
@@ -66,7 +71,7 @@ std::string CondensedIntegrator::findConditions(const System& system) {
     double square = 0;
     for (const auto& [row, gradient] : c.rows.entriesOf(rows[i])) {
       if (others_.hasRow(row)) {
-        square += addOther(row, gradient, c.first_entry.back());
+        square += addOther(row, gradient, c.first_entry.back(), isLive(rows[i]));
         continue;
       }
       const Index free_node = body_.nodeOf(row), node = free_node - first_active_;
@@ -83,7 +88,9 @@ std::string CondensedIntegrator::findConditions(const System& system) {
     c.solve.sizes[i] = std::sqrt(square);
     c.first_entry.push_back(c.entries.size());
   }
+  if (!others_.solveColumns()) return others_.fault();
   if (c.nodes.size() > known) readCompliance(known);
+  if (!others_.lastLoads().empty()) readColumns();
   return {};
 }
 
@@ -148,7 +155,7 @@ void CondensedIntegrator::couple() {
   const auto& rows = c.rows.rows();
   c.live.clear();
   for (std::size_t i = 0; i < rows.size(); ++i)  // nothing has to answer to a force that is given as zero
-    if (rows[i].kind != LagrangianRows::Kind::given || rows[i].factor != 0) c.live.push_back(Eigen::Index(i));
+    if (isLive(rows[i])) c.live.push_back(Eigen::Index(i));
   const auto count = Eigen::Index(c.live.size());
   c.response.resize(c.c.rows(), count), c.solve.w.resize(count, count), c.solve.g.resize(Eigen::Index(rows.size()));
   for (Eigen::Index j = 0; j < c.solve.g.size(); ++j) {

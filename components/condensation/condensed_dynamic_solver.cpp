@@ -348,7 +348,7 @@ StepReport CondensedDynamicSolver::step(System& system, const StepContext& conte
   formRightSide();
   body_.projectNodes(firstActive(), right_.data());
   moveTouched(system, context);
-  if (!touchFault().empty()) return giveUp(system, touchFault());
+  if (!touchFault().empty()) return giveUp(system, touchFault(), context.stop.isStopAsked());
   addTimedForces();
   for (const Hand& hand : hands()) Eigen::Map<Vec3>(right_.data() + 3 * hand.node) += hand.force;
   multiply(right_.data(), next_.data());

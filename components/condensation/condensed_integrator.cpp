@@ -54,7 +54,7 @@ void CondensedIntegrator::moveTouched(System& system, const StepContext& context
   if (begins) system.beginStep(context);
   others_fault_.clear();
   if (!others_.empty() && !others_.begin(system, context))
-    others_fault_ = "the matrix of the rigid bodies beside the condensed ones is singular, or in statics one of them is free";
+    others_fault_ = others_.fault();
   if (!moves && !others_.hasConstraints() && !hands_changed_ && hands_.empty()) return;
   if (moves && !begins) {
     for (ProjectiveConstraint* constraint : system.constraints().all())
@@ -183,9 +183,9 @@ const Eigen::VectorXd& CondensedIntegrator::solveTouches(const double* u) {
 
 // ---- other bodies ----
 
-/// Adds a gradient on a row of another body, or of a point mapped onto it, to the condition whose entries start at `first`. Returns its
-/// square, or 0 if it moves nothing.
-double CondensedIntegrator::addOther(Index row, const Vec3& gradient, std::size_t first) {
+/// Adds a gradient on a row of another body, or of a point mapped onto it, to the condition whose entries start at `first`.
+/// `is_live`: it may have a force. Returns the square of the gradient, or 0 if it moves nothing.
+double CondensedIntegrator::addOther(Index row, const Vec3& gradient, std::size_t first, bool is_live) {
   CondensedConditions& c = conditions_;
   bool moves = false;
   others_.pull(row, gradient, [&](Index k, const Vec3& along) {
@@ -197,9 +197,25 @@ double CondensedIntegrator::addOther(Index row, const Vec3& gradient, std::size_
       known->gradient += along;
     else
       c.entries.push_back({slot, along});
-    moves = true;
+    moves = moves || !along.isZero(0);
+    if (is_live) others_.load(k);
   });
   return moves ? gradient.squaredNorm() : 0;
+}
+
+/// C of slots that are loaded for the first time in this step.
+void CondensedIntegrator::readColumns() {
+  CondensedConditions& c = conditions_;
+  for (const Index l : others_.lastLoads()) {
+    const Index t = c.slot[std::size_t(active_ + l)];
+    for (std::size_t s = 0; s < c.nodes.size(); ++s) {
+      if (c.nodes[s] < active_) continue;
+      const Mat3 block = others_.compliance(c.nodes[s] - active_, l);
+      c.stored.block<3, 3>(3 * Eigen::Index(s), 3 * t) = block;
+      c.stored.block<3, 3>(3 * t, 3 * Eigen::Index(s)) = block.transpose();
+    }
+  }
+  c.c.resize(0, 0);  // prepareSlots() follows
 }
 
 // ---- the inside ----
@@ -315,15 +331,17 @@ void CondensedIntegrator::reset() {
   hands_.clear();
   touch_fault_.clear();
   conditions_.taken.clear(), conditions_.swinging = 0;
-  hands_changed_ = true;
+  hands_changed_ = true, others_.reset();
 }
 
 void CondensedIntegrator::serialize(Archive& archive) {
   archive.value("touch_error", touch_error_);
   range_.serialize(archive);
-  if (!hasConditions()) return;
-  archive.list("forces_of_constraint", conditions_.taken);
-  archive.value("swinging", conditions_.swinging);
+  if (hasConditions()) {
+    archive.list("forces_of_constraint", conditions_.taken);
+    archive.value("swinging", conditions_.swinging);
+  }
+  others_.serialize(archive);
 }
 
 std::string CondensedIntegrator::describe() const {

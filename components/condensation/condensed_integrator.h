@@ -193,7 +193,8 @@ class CondensedIntegrator : public Integrator, public StateOwner, public FindsMu
   void couple();
   double respond();
   void placeSlots(System& system);
-  double addOther(Index row, const Vec3& gradient, std::size_t first);
+  double addOther(Index row, const Vec3& gradient, std::size_t first, bool is_live);
+  void readColumns();
   void giveForces();
   void addForces(Array<double>& u);
   std::string nameOfCondition(std::size_t row) const;

@@ -279,7 +279,7 @@ void CondensedStaticSolver::update() {
 
 StepReport CondensedStaticSolver::step(System& system, const StepContext& context) {
   moveTouched(system, context);
-  if (!touchFault().empty()) return giveUp(system, touchFault());
+  if (!touchFault().empty()) return giveUp(system, touchFault(), context.stop.isStopAsked());
   gatherLoads();
   addTouches();
   update();

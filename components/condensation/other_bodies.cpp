@@ -37,7 +37,7 @@ bool OtherBodies::has(const Component& component) const {
 }
 
 void OtherBodies::collect(System& system, const Integrator& integrator) {
-  states_.clear(), rows_.clear(), is_other_.clear(), number_.clear();
+  states_.clear(), rows_.clear(), is_other_.clear(), number_.clear(), solvers_.clear(), clusters_.clear();
   collectStates(system);
   if (states_.empty()) return;
   is_static_ = !integrator.movesInTime();
@@ -53,8 +53,8 @@ void OtherBodies::collect(System& system, const Integrator& integrator) {
   for (const Mass* mass : masses_)
     if (!mass->node().gravity().isZero(0)) mass->addGravity(force_);
   for (std::size_t k = 0; k < rows_.size(); ++k) gravity_[k] = force_[rows_[k]];
-  inputs_changed_ = true, is_inverted_ = false;
-  checkHeld(system, integrator);
+  checkHeld(system, integrator), checkSolvers();
+  compileFields(system), makeClusters(system);
 }
 
 void OtherBodies::collectStates(System& system) {
@@ -62,14 +62,8 @@ void OtherBodies::collectStates(System& system) {
     if (state->firstRow() >= system.independentRows()) break;
     const Integrator* other = otherIntegrator(*state, system);
     if (!other && !state->hasFrames()) continue;
-    if (!state->hasFrames())
-      throw ComponentError(
-          fmt::format("{} is not condensed, and {} moves it: beside condensed bodies only rigid frames, and what is mapped onto them, "
-                      "can be other bodies",
-                      state->path(), system.integrator().path()),
-          "a Rigid3 state, or a body that the condensed solver condenses too",
-          "put " + state->path() + " below " + system.integrator().node().path() + ", without " + other->path());
     states_.push_back(state);
+    if (!state->hasFrames()) solvers_.emplace_back(state, other->linearSolver());
   }
   if (states_.empty()) return;
   is_other_.assign(std::size_t(system.allRows()), 0), number_.assign(std::size_t(system.independentRows()), -1);
@@ -96,7 +90,7 @@ void OtherBodies::refuseMixed(const Component& component, const std::vector<Stat
   const auto here = std::ranges::find_if(states, [this](const State* state) { return has(*state); });
   const auto there = std::ranges::find_if(states, [this](const State* state) { return !has(*state); });
   if (dynamic_cast<const StepListener*>(&component))
-    throw ComponentError(fmt::format("{} acts on {}, a rigid body beside those that {} condenses: these meet by constraint forces only",
+    throw ComponentError(fmt::format("{} acts on {}, a body beside those that {} condenses: these meet by constraint forces only",
                                      component.path(), (*here)->path(), integrator.path()),
                          "contact by constraint forces", "<ConstraintContact/> in its place");
   if (there != states.end())
@@ -116,8 +110,8 @@ void OtherBodies::collectActing(System& system, const Integrator& integrator) {
   for (Mass* mass : system.masses()) {
     if (!has(mass->state())) continue;
     if (mass->state().firstRow() >= system.independentRows())
-      throw ComponentError(fmt::format("{} is on mapped nodes of a rigid body that {} moves", mass->path(), integrator.path()),
-                           "the mass and the inertia of the frame");
+      throw ComponentError(fmt::format("{} is on mapped nodes of a body that {} moves", mass->path(), integrator.path()),
+                           "the mass of the nodes mapped from, and the inertia of frames");
     masses_.push_back(mass);
   }
   has_constraints_ = std::ranges::any_of(system.constraints().all(), [this](const ProjectiveConstraint* each) { return has(*each); });
@@ -140,9 +134,9 @@ void OtherBodies::checkHeld(const System& system, const Integrator& integrator) 
     const std::string node = system.actors().describeRow(row);
     if (is_static_)
       throw ComponentError(fmt::format("{} is free, and {} finds an equilibrium of condensed bodies only", node, integrator.path()),
-                           "rigid bodies that are held or moved on a path", "<CondensedDynamicSolver/> moves free ones");
+                           "frames that are held or moved on a path", "<CondensedDynamicSolver/> moves free ones");
     if (!(mass[std::size_t(row)] > 0))
-      throw ComponentError(fmt::format("{} has no mass, so its motion is not defined", node), "a mass and an inertia of the frame",
+      throw ComponentError(fmt::format("{} has no mass, so its motion is not defined", node), "a mass, and an inertia of frames",
                            "<UniformMass totalMass=\"...\" inertia=\"...\"/>");
   }
 }
@@ -185,9 +179,12 @@ void OtherBodies::collectTurning() {
 }
 
 std::string OtherBodies::describe() const {
-  const std::size_t frames = rows_.size() / 2;
-  return fmt::format("; {} rigid frame{} beside the condensed bodies, by backward Euler with one linear solve", frames,
-                     frames == 1 ? "" : "s");
+  Index soft = 0;
+  for (const auto& [state, solver] : solvers_) soft += state->size();
+  const Index frames = (count() - soft) / 2;
+  std::string text = frames > 0 ? fmt::format("{} rigid frame{}", frames, frames == 1 ? "" : "s") : "";
+  if (soft > 0) text += fmt::format("{}{} nodes of soft bodies", text.empty() ? "" : " and ", soft);
+  return fmt::format("; {} beside the condensed bodies, by backward Euler with one linear solve", text);
 }
 
 }  // namespace stroma

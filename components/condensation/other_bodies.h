@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The bodies in the system of a condensed solver that are not condensed: rigid frames, with the points mapped onto them. They move by
-// backward Euler, with forces linearised once per step:
+// The bodies in the system of a condensed solver that are not condensed: rigid frames, soft bodies below another integrator, and what is
+// mapped onto them. They move by backward Euler, with forces linearised once per step:
 //
 //   A dv = h P (f + h K v - alpha M v),   A = P (M (1 + h alpha) - h C - h^2 K) P + (1 - P),   v' = v + dv,   x' = x + h v'
 //
 // with the projector P of constraints. Without springs on frames this is what Newton's method gives in EulerImplicitSolver. Rows that no
-// term of A couples form clusters, each with a small inverse: W = J A^-1 J^T of a constraint between a frame and a condensed body is then
-// the sum of a 6 x 6 product and of entries of the stored inverse. The inertia of a frame rotates with it: the linear solve finds its
-// angular momentum L, and w' follows from J(exp(h w') q) w' = L.
+// term of A couples form clusters. That of a frame has a small inverse: W = J A^-1 J^T of a constraint between a frame and a condensed body
+// is the sum of a 6 x 6 product and of entries of the stored inverse. A soft body has the linear solver of its integrator, which solves for
+// the columns of A^-1 of nodes that constraints may load. The inertia of a frame rotates with it: the linear solve finds its angular
+// momentum L, and w' follows from J(exp(h w') q) w' = L.
 #pragma once
 #include <Eigen/Dense>
 #include <array>
+#include <map>
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "framework/mechanics/frames.h"
@@ -41,13 +45,22 @@ class OtherBodies {
   void keep(const System& system);
   /// Moves them to where no constraint force acts, after System::beginStep() if they have constraints. Returns false if A is singular.
   bool begin(System& system, const StepContext& context);
+  /// Why the last begin() or solveColumns() failed.
+  const std::string& fault() const { return fault_; }
   /// Back to where the step started.
   void restore(System& system) const;
-  /// Calls visit(k, gradient) for each row that a gradient on `row` acts on, through mappings, projected.
+  /// Calls visit(k, gradient) for each row that a gradient on `row` acts on, through mappings, projected. Rows of soft bodies are visited
+  /// with a gradient of zero too.
   template <class Visit>
   void pull(Index row, const Vec3& gradient, Visit&& visit);
-  /// h^2 P A^-1 P between two rows [m/N]: their displacement by a force that acts during the step.
+  /// h^2 P A^-1 P between two rows [m/N]: their displacement by a force that acts during the step. Zero between rows of a soft body that
+  /// nothing loads.
   Mat3 compliance(Index k, Index l) const;
+  /// A constraint may load row k in this step.
+  void load(Index k);
+  /// Solves for what rows loaded since the last call need, which lastLoads() then lists. False if a solve fails, see fault().
+  bool solveColumns();
+  const std::vector<Index>& lastLoads() const { return last_loads_; }
   Vec3 free(Index k) const { return h_ * (start_velocity_[std::size_t(k)] + free_change_[std::size_t(k)]); }
   /// The displacement of row k that `linear`, the one of the linear solve, becomes with the inertia at the end of the step.
   Vec3 turned(Index k, const Vec3& linear) const;
@@ -58,12 +71,20 @@ class OtherBodies {
   void placeMapped(System& system);
   /// Ends the step with these forces of constraints, shape (count()) [N]. Returns false if a velocity is not finite.
   bool finish(System& system, const std::vector<Vec3>& forces);
+  /// A run begins again: nothing is known of matrices.
+  void reset();
+  /// Writes or reads what the linear solvers of soft bodies remember.
+  void serialize(Archive& archive);
   std::string describe() const;
 
  private:
+  class Matrix;
   struct Cluster {
     std::vector<Index> rows;  ///< k
-    Eigen::MatrixXd inverse;
+    Eigen::MatrixXd inverse;  ///< of a small one
+    std::shared_ptr<Matrix> matrix;  ///< of a large one
+    LinearSolver* solver = nullptr;
+    std::map<Index, std::array<Vector, 3>> columns;  ///< of A^-1 P, by k
   };
   struct Turning {
     Mat3 inertia = Mat3::Zero();  ///< in body axes [kg m^2]
@@ -81,7 +102,15 @@ class OtherBodies {
   void compileFields(System& system);
   void computeForce(System& system);
   void findClusters();
+  void makeClusters(const System& system);
   bool invert(System& system);
+  void invertSmall(Cluster& cluster, const BlockMatrix* matrix) const;
+  void checkSolvers() const;
+  bool isSymmetric() const;
+  void makeLarge(const System& system, Cluster& cluster) const;
+  void takeValues(Cluster& cluster, const BlockMatrix& matrix) const;
+  bool solve(Cluster& cluster, const std::vector<ConstRows>& right, const std::vector<Rows>& solutions, StopToken stop);
+  bool findFreeChange(Cluster& cluster, StopToken stop);
   Mat3 massBlock(Index k) const;
   Mat3 projector(const System& system, Index k) const;
   void updateJacobians();
@@ -100,10 +129,16 @@ class OtherBodies {
   MappingChain chain_;
   std::unique_ptr<AssembledMatrix> assembled_;  ///< null: only masses
   long pattern_ = -1;
-  bool inputs_changed_ = true, is_inverted_ = false;
+  bool inputs_changed_ = true, has_inputs_ = false, is_inverted_ = false;
   std::vector<Cluster> clusters_;
   std::vector<std::size_t> cluster_of_;  ///< of k, with its place there
   std::vector<Index> place_in_;
+  bool has_large_ = false;
+  std::vector<char> loads_;  ///< of k: loaded in this step; empty without large clusters
+  std::vector<Index> new_loads_, last_loads_;
+  std::vector<std::vector<Index>> pushed_;  ///< rows of each cluster; work space
+  std::string fault_;
+  std::vector<std::pair<const State*, LinearSolver*>> solvers_;  ///< of soft bodies
 
   std::vector<std::vector<JacobianBlock>> blocks_;  ///< of each mapping
   std::vector<std::array<std::size_t, 2>> order_;   ///< mapping and block, by child row
@@ -123,10 +158,12 @@ class OtherBodies {
 
 template <class Visit>
 void OtherBodies::pull(Index row, const Vec3& gradient, Visit&& visit) {
-  if (gradient.isZero(0)) return;
+  const bool is_zero = gradient.isZero(0);
+  if (is_zero && !has_large_) return;
   if (std::size_t(row) < number_.size()) {
     const Index k = number_[std::size_t(row)];
-    if (const Vec3 along = projectors_[std::size_t(k)] * gradient; !along.isZero(0)) visit(k, along);
+    const Vec3 along = projectors_[std::size_t(k)] * gradient;
+    if (!along.isZero(0) || (clusters_[cluster_of_[std::size_t(k)]].matrix && !isHeld(k))) visit(k, along);
     return;
   }
   if (outdated_) updateJacobians();

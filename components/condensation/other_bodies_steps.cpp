@@ -14,7 +14,8 @@ namespace stroma {
 
 /// What acts on these bodies alone, for their matrix.
 void OtherBodies::compileFields(System& system) {
-  inputs_changed_ = false, is_inverted_ = false, assembled_.reset(), pattern_ = -1;
+  is_inverted_ = false, assembled_.reset(), pattern_ = -1, clusters_.clear();
+  has_inputs_ = system.inputs() != nullptr;
   actors_ = system.actors();
   actors_.force_fields = fields_, actors_.masses = masses_, actors_.mappings.clear();
   const auto isMapped = [&](const State* state) { return state->firstRow() >= system.independentRows(); };
@@ -100,10 +101,17 @@ void OtherBodies::findClusters() {
   }
 }
 
-/// A^-1 of each cluster. False: some A is singular.
+void OtherBodies::makeClusters(const System& system) {
+  findClusters();
+  has_large_ = false;
+  for (Cluster& cluster : clusters_) makeLarge(system, cluster), has_large_ = has_large_ || cluster.matrix;
+  loads_.assign(has_large_ ? rows_.size() : 0, 0);
+}
+
+/// A^-1 of each cluster, or the matrix of a large one. False: some A is singular.
 bool OtherBodies::invert(System& system) {
   if (is_inverted_ && !assembled_ && !has_inertia_turns_) return true;
-  if (clusters_.empty() || (assembled_ && pattern_ != assembled_->patternRevision()) || !is_inverted_) findClusters();
+  if (clusters_.empty() || (assembled_ && pattern_ != assembled_->patternRevision())) makeClusters(system);
   const BlockMatrix* matrix = nullptr;
   if (assembled_) {
     for (Mass* mass : masses_)
@@ -113,26 +121,35 @@ bool OtherBodies::invert(System& system) {
   }
   bool is_finite = true;
   for (Cluster& cluster : clusters_) {
-    Eigen::MatrixXd a = Eigen::MatrixXd::Zero(3 * Eigen::Index(cluster.rows.size()), 3 * Eigen::Index(cluster.rows.size()));
-    for (const Index k : cluster.rows) {
-      const Index at = 3 * place_in_[std::size_t(k)];
-      if (!matrix) {
-        const Mat3& free = projectors_[std::size_t(k)];
-        const Mat3 mass = massBlock(k);
-        a.block<3, 3>(at, at) = free * mass * free + heldSize(diagonalSize(mass)) * (Mat3::Identity() - free);
-        continue;
-      }
-      const auto row = std::size_t(rows_[std::size_t(k)]);
-      for (Index s = matrix->rowStart()[row]; s < matrix->rowStart()[row + 1]; ++s) {
-        const Index other = place_in_[std::size_t(number_[std::size_t(matrix->columns()[std::size_t(s)])])];
-        a.block<3, 3>(at, 3 * other) =
-            Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(matrix->values().data() + std::size_t(s) * 9);
-      }
+    if (cluster.matrix) {
+      takeValues(cluster, *matrix);
+      continue;
     }
-    cluster.inverse = a.partialPivLu().inverse();
+    invertSmall(cluster, matrix);
     is_finite = is_finite && cluster.inverse.allFinite();
   }
+  if (!is_finite) fault_ = "the matrix of the rigid bodies beside the condensed ones is singular";
   return is_inverted_ = is_finite;
+}
+
+void OtherBodies::invertSmall(Cluster& cluster, const BlockMatrix* matrix) const {
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(3 * Eigen::Index(cluster.rows.size()), 3 * Eigen::Index(cluster.rows.size()));
+  for (const Index k : cluster.rows) {
+    const Index at = 3 * place_in_[std::size_t(k)];
+    if (!matrix) {
+      const Mat3& free = projectors_[std::size_t(k)];
+      const Mat3 mass = massBlock(k);
+      a.block<3, 3>(at, at) = free * mass * free + heldSize(diagonalSize(mass)) * (Mat3::Identity() - free);
+      continue;
+    }
+    const auto row = std::size_t(rows_[std::size_t(k)]);
+    for (Index s = matrix->rowStart()[row]; s < matrix->rowStart()[row + 1]; ++s) {
+      const Index other = place_in_[std::size_t(number_[std::size_t(matrix->columns()[std::size_t(s)])])];
+      a.block<3, 3>(at, 3 * other) =
+          Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(matrix->values().data() + std::size_t(s) * 9);
+    }
+  }
+  cluster.inverse = a.partialPivLu().inverse();
 }
 
 void OtherBodies::keep(const System& system) {
@@ -149,21 +166,28 @@ bool OtherBodies::begin(System& system, const StepContext& context) {
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     start_velocity_[k] = system.v[rows_[k]];
     const Mat3 free = projector(system, Index(k));
-    is_inverted_ = is_inverted_ && free == projectors_[k];
-    projectors_[k] = free;
-    if (is_static_ && !isHeld(Index(k))) return false;
+    if (free != projectors_[k]) {
+      is_inverted_ = false, projectors_[k] = free;
+      if (!clusters_.empty()) clusters_[cluster_of_[k]].columns.clear();
+    }
+    if (is_static_ && !isHeld(Index(k))) return fault_ = "in statics a body beside the condensed ones has become free", false;
   }
-  if (inputs_changed_) compileFields(system);
+  if (inputs_changed_ && (has_inputs_ || system.inputs())) compileFields(system);
+  inputs_changed_ = false;
   computeForce(system);
   if (!invert(system)) return false;
-  for (const Cluster& cluster : clusters_)
+  std::fill(loads_.begin(), loads_.end(), 0), new_loads_.clear();
+  for (Cluster& cluster : clusters_) {
+    if (cluster.matrix && !findFreeChange(cluster, context.stop)) return false;
     for (const Index k : cluster.rows) {
+      if (cluster.matrix) break;
       Vec3 sum = Vec3::Zero();
       for (const Index l : cluster.rows)
         sum += cluster.inverse.block<3, 3>(3 * place_in_[std::size_t(k)], 3 * place_in_[std::size_t(l)]) *
                (h_ * (projectors_[std::size_t(l)] * force_[rows_[std::size_t(l)]]));
       free_change_[std::size_t(k)] = projectors_[std::size_t(k)] * sum;
     }
+  }
   for (Index k = 0; k < count(); ++k) place(system, k, turned(k, free(k)));
   placeMapped(system);
   return true;
@@ -171,7 +195,17 @@ bool OtherBodies::begin(System& system, const StepContext& context) {
 
 Mat3 OtherBodies::compliance(Index k, Index l) const {
   if (cluster_of_[std::size_t(k)] != cluster_of_[std::size_t(l)]) return Mat3::Zero();
-  const Eigen::MatrixXd& inverse = clusters_[cluster_of_[std::size_t(k)]].inverse;
+  const Cluster& cluster = clusters_[cluster_of_[std::size_t(k)]];
+  if (cluster.matrix) {
+    const bool is_other = !loads_[std::size_t(l)];
+    if (is_other && !loads_[std::size_t(k)]) return Mat3::Zero();
+    const auto known = cluster.columns.find(is_other ? k : l);
+    Mat3 block;
+    for (int c = 0; c < 3; ++c)
+      block.col(c) = projectors_[std::size_t(is_other ? l : k)] * known->second[std::size_t(c)][place_in_[std::size_t(is_other ? l : k)]];
+    return h_ * h_ * (is_other ? Mat3(block.transpose()) : block);
+  }
+  const Eigen::MatrixXd& inverse = cluster.inverse;
   return h_ * h_ * (projectors_[std::size_t(k)] * inverse.block<3, 3>(3 * place_in_[std::size_t(k)], 3 * place_in_[std::size_t(l)]) *
                     projectors_[std::size_t(l)]);
 }
@@ -228,10 +262,13 @@ void OtherBodies::updateJacobians() {
 
 bool OtherBodies::finish(System& system, const std::vector<Vec3>& forces) {
   bool is_finite = true;
+  pushed_.resize(clusters_.size());
+  for (std::vector<Index>& rows : pushed_) rows.clear();
+  for (Index k = 0; k < count(); ++k)
+    if (!forces[std::size_t(k)].isZero(0)) pushed_[cluster_of_[std::size_t(k)]].push_back(k);
   for (Index k = 0; k < count(); ++k) {
     Vec3 change = Vec3::Zero();
-    for (const Index l : clusters_[cluster_of_[std::size_t(k)]].rows)
-      if (!forces[std::size_t(l)].isZero(0)) change += compliance(k, l) * forces[std::size_t(l)];
+    for (const Index l : pushed_[cluster_of_[std::size_t(k)]]) change += compliance(k, l) * forces[std::size_t(l)];
     const Vec3 v = velocity(k, free_change_[std::size_t(k)] + change / h_);
     is_finite = is_finite && v.allFinite();
     place(system, k, h_ * v);

@@ -2,6 +2,7 @@
 // The elastic force fields of meshes: attributes, material, checks and fields, whatever the kind of element.
 #pragma once
 #include "components/elasticity/elastic_elements.h"
+#include "framework/algebra/volume_terms.h"
 #include "framework/fem/element_kernels_field.h"
 #include "framework/mechanics/open_choices.h"
 #include "framework/mechanics/state_topology.h"
@@ -11,7 +12,7 @@
 namespace stroma {
 
 /// One class serves every elastic component name: a name sets its default words, the mesh decides the kind of element.
-class ElasticForceField : public ElementKernelsField, public OpenChoices, public TurnsStresses {
+class ElasticForceField : public ElementKernelsField, public OpenChoices, public TurnsStresses, public ResistsVolumes {
  public:
   /// The words of `method`: first those of ElasticMethod, then other components' words for the same.
   enum class Word : int {
@@ -47,6 +48,7 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices, public
   long patternRevision() const override { return tangent_changes_; }
   std::string choice() const override;
 
+  void addVolumeTerms(VolumeTerms& terms) const override;
   Cost cost() const override;
   std::string worstElement(ConstRows x) const override;
   std::string doubt(ConstRows x) const override;
@@ -80,6 +82,8 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices, public
   /// Of one cell [Pa], localStiffnessFactor included.
   Lame lame(std::size_t cell) const { return LameOf(constants_)(cell); }
   std::unique_ptr<ElementKernels> makeMethod(const ElasticElements& elements) const;
+  void addVolumesOfHexahedra(VolumeTerms& terms) const;
+  void addVolumesOfNodes(VolumeTerms& terms) const;
   /// The rows of this state out of the system's.
   ConstRows ownRows(ConstRows x) const;
   // ---- of cells; x starts at node 0 ----

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "components/hyperelasticity/viscous_law.h"
+#include "framework/algebra/volume_terms.h"
 #include "framework/fem/element_kernels_field.h"
 #include "framework/mechanics/history.h"
 #include "framework/mechanics/open_choices.h"
@@ -13,7 +14,7 @@
 
 namespace stroma {
 
-class HyperelasticForceField : public ElementKernelsField, public History, public OpenChoices {
+class HyperelasticForceField : public ElementKernelsField, public History, public OpenChoices, public ResistsVolumes {
  public:
   enum class Discretization : int { mjed, standard };
   enum class Dilatation : int { automatic, local, mean };
@@ -37,6 +38,7 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
   void addForce(ConstRows x, ConstRows v, Rows f) override;
   void addForceAndProduct(ConstRows x, ConstRows v, ConstRows dx, double factor, Rows f) override;
 
+  void addVolumeTerms(VolumeTerms& terms) const override;
   Cost cost() const override;
   std::string worstElement(ConstRows x) const override;
   std::vector<std::string> cellFields() const override;

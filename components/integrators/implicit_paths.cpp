@@ -75,6 +75,38 @@ bool ImplicitStep::advanceRemainingMotion(Rows d, bool wholly) {
   return true;
 }
 
+// ---- damping by a stiffness without unstable directions ----
+
+/// A damping force -rK K u drives the motion along directions in which K is unstable, as in crushed elements, and the faster it is the
+/// more: equations of a step may then have no solution nearby. If Newton's method suspects that (Newton::mayBeDriven()), fields with a
+/// definite stiffness are damped by it for the rest of the step, and it is their tangent. It costs several times as much.
+void ImplicitStep::findDamped() {
+  damped_.clear();
+  for (ForceField* field : system_->forceFields()) {
+    const double own = own_in_matrix ? 0 : field->rayleigh_stiffness, factor = (field->traits().undamped ? 0 : rayleigh_stiffness) + own;
+    auto* const open = dynamic_cast<OpenChoices*>(field);
+    if (iterates() && factor != 0 && open && open->useDefiniteTangent(false)) damped_.push_back(field);
+  }
+}
+
+bool ImplicitStep::useDefiniteDamping() {
+  if (damped_.empty() || has_definite_damping_) return false;
+  has_definite_damping_ = true;
+  for (ForceField* field : damped_) dynamic_cast<OpenChoices&>(*field).useDefiniteTangent(true);
+  return true;
+}
+
+bool ImplicitStep::useDefiniteTangent(bool definite) {
+  const bool changed = useDefiniteTangents(*system_, definite);
+  if (std::exchange(has_definite_damping_, false)) useDefiniteDamping();
+  return changed;
+}
+
+/// True: derivatives are still those of the last force.
+bool ImplicitStep::endDefiniteDamping() {
+  return std::exchange(has_definite_damping_, false) && useDefiniteTangents(*system_, false);
+}
+
 // ---- stresses that turn ----
 
 /// With rK the exact tangents of fields are not for the taking, as K is a force then. What turning adds makes the warped tangent of a

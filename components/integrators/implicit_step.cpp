@@ -25,8 +25,9 @@ StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
   rule_ = {scheme.displacement + scheme.moved_after, whole, scheme.old_weight / whole, true, one_round};
   multipliers_.begin(rule_, !solvesOnce());
   if (!solvesOnce()) {
-    turns_ = true, tangents_ = 0, keepTurning(false);
+    turns_ = true, tangents_ = 0, keepTurning(false), endDefiniteDamping();
     StepReport report = !multipliers_.empty() ? solveConditions(stop) : iterates() ? solveIterating(stop) : solveAsNeeded(stop);
+    if (endDefiniteDamping()) residual(system_->independent(right_side_));
     turnVelocities(stop, report);
     addTurning(false);
     bodies_.momenta(x(), v(), end_momenta_);

@@ -112,9 +112,10 @@ class ImplicitStep final : public NonlinearProblem {
   void residual(Rows out) override;
   SystemMatrix& tangent() override;
   void projectToFree(Rows d) const override { stroma::projectToFree(*system_, d); }
-  bool useDefiniteTangent(bool definite) override { return useDefiniteTangents(*system_, definite); }
+  bool useDefiniteTangent(bool definite) override;
   bool mayHaveUnstableDirections() const override { return turns_ && tangents_ > 0 && !turning_.empty(); }
   void excludeUnstableDirections() override;
+  bool useDefiniteDamping() override;
   double energy() override;
   Rows unknowns() override { return v(); }
   bool guess(Rows d) override;
@@ -155,6 +156,8 @@ class ImplicitStep final : public NonlinearProblem {
     ConstRows of(ConstRows all) const { return all.segment(first, end - first); }
   };
   void place(RowRange rows);  ///< see unknownsChanged()
+  void findDamped();
+  bool endDefiniteDamping();
   void addTo(Rows u, double s, ConstRows d, RowRange rows) const;
   RowRange rowsMovedBy(ConstRows d) const;
   Rows x() const { return system_->independent(system_->x); }
@@ -213,6 +216,8 @@ class ImplicitStep final : public NonlinearProblem {
   ExactTangent exact_;
   EnergyWatch energy_;
   std::vector<std::pair<TurnsStresses*, const ForceField*>> turning_;  ///< see chooseTurning()
+  std::vector<ForceField*> damped_;    ///< damped fields with a definite stiffness, see findDamped()
+  bool has_definite_damping_ = false;  ///< they use it for the rest of the step
   bool turns_ = false;  ///< tangents of the step include it, except the first
   int tangents_ = 0;    ///< of the step so far
   int exact_tangent_steps_ = 0;

@@ -151,7 +151,7 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
       right_sides_.emplace_back(constraint, side);
     }
   if (!multipliers_.empty() && solvesOnce() && !one_round) ConstraintSweeps::tellIdle(integrator, integrator.path() + " has no oneRound");
-  chooseTurning();
+  chooseTurning(), findDamped();
   if (solvesOnce()) return;
   if (!multipliers_.empty()) UncoupledConstraintCorrection::tellIdle(integrator, "makes several linear solves in a step");
   if (!multipliers_.empty()) ConstraintSweeps::tellIdle(integrator, integrator.path() + " makes several linear solves in a step");

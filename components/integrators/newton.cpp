@@ -90,6 +90,14 @@ bool Newton::isPointless() const {
   return history_.back() > 0.5 * history_[history_.size() - 1 - std::size_t(settings.patience)];
 }
 
+/// Unstable directions keep showing, or |R| decreases hardly any more: damping by an unstable stiffness may be why.
+bool Newton::mayBeDriven() const {
+  constexpr int often = 3;
+  constexpr std::size_t first = 10, last = 6;
+  constexpr double hardly = 0.3;
+  return unstable_solves_ >= often || (history_.size() > first && history_.back() > hardly * history_[history_.size() - 1 - last]);
+}
+
 /// Where |R| falls by much the same small factor in every iteration, as with a tangent that is an approximation: how many more
 /// are needed; else 0. The way to where that begins and the last iterations are left alone.
 double Newton::iterationsLeft() const {
@@ -173,7 +181,7 @@ void Newton::leaveBest(NonlinearProblem& problem, double now, StepReport& report
 }
 
 StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver, StopToken stop) {
-  stop_ = stop;
+  stop_ = stop, unstable_solves_ = 0;
   if (!was_slow_ && problem.hasRemainingMotion()) {
     clear(direction_);
     const bool is_free = problem.advanceRemainingMotion(direction_, true);
@@ -268,6 +276,7 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
 /// One iteration. False when it is the last: converged by its correction, or failed as the report says.
 bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& now, StepReport& report) {
   ++report.newton_iterations;
+  if (mayBeDriven() && problem.useDefiniteDamping()) problem.residual(residual_), now = problem.sizeOf(residual_);
   const double before = now, tolerance = forcingTerm(now);
   if (!findDirection(problem, solver, tolerance, report)) return isLeftAsItWas(now, report), false;
   if (isAtRest(problem)) return false;

@@ -31,6 +31,9 @@ class NonlinearProblem {
   /// Tangents may have avoidable unstable directions, until excludeUnstableDirections() excludes them for the rest of the step.
   virtual bool mayHaveUnstableDirections() const { return false; }
   virtual void excludeUnstableDirections() {}
+  /// Uses a damping without unstable directions, from the next residual() on for the rest of the step. Returns false and changes nothing
+  /// if it does already, or if there is no other.
+  virtual bool useDefiniteDamping() { return false; }
   virtual double energy() = 0;  ///< E(u); called only when NewtonSettings::use_energy
   virtual Rows unknowns() = 0;  ///< u, for Newton to write; shape (rows)
   /// Removes from a solver's direction the part in directions that have been fixed since the solver stored its initial
@@ -176,6 +179,7 @@ class Newton {
   bool isCorrectionSmall(const NonlinearProblem& problem) const;
   bool isCorrectionWithin(double part, const NonlinearProblem& problem) const;
   bool isPointless() const;
+  bool mayBeDriven() const;
   bool isAtRoundOff(NonlinearProblem& problem, double norm, StepReport& report);
   bool isAtRest(NonlinearProblem& problem);
   bool findDirection(NonlinearProblem& problem, LinearSolver& solver, double tolerance, StepReport& report);
@@ -209,6 +213,8 @@ class Newton {
   bool keeps_scale_ = false;  ///< see keepScale()
   bool is_unstable_ = false, has_looked_ = false;  ///< see lookForUnstableMode()
   bool in_focus_ = false;     ///< one of the problem's bodies is being solved separately
+  int unstable_solves_ = 0;   ///< linear solves of the last solve() that showed unstable directions
+  bool is_replaced_ = false;  ///< the direction comes from a definite tangent instead of an indefinite one
   bool is_unsure_ = false;    ///< the direction comes from a tangent that may have avoidable unstable directions
 };
 

@@ -154,8 +154,10 @@ bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, doub
     is_unsure_ = false, report.linear_converged = converged, report.linear_at_limit = at_limit;
     found = solve(false);
   }
+  unstable_solves_ += report.linear_stop == SolveStop::not_definite || !(dot(residual_, direction_) > 0);
   problem.projectToFree(direction_);
   if (switched) problem.useDefiniteTangent(false);
+  is_replaced_ = switched;
   went_on_ = false;
   return found;
 }

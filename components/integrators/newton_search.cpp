@@ -41,7 +41,12 @@ double Newton::search(NonlinearProblem& problem, double& now) {
   return step;
 }
 
-/// Armijo: E(u + s d) <= E(u) - 1e-4 s R.d. Where the difference drowns in the round-off of E, |R| decides.
+/// Of s R.d, by which a step s must decrease the energy. A whole correction decreases a parabola by half of that; one that goes beyond the
+/// minimum and up again by next to nothing is refused, because the potential of damping is another one in the next iteration, which may
+/// lead straight back.
+static constexpr double least_decrease = 0.05;
+
+/// Armijo: E(u + s d) <= E(u) - least_decrease s R.d. Where the difference drowns in the round-off of E, |R| decides.
 double Newton::searchEnergy(NonlinearProblem& problem, double longest, double slope, double& now) {
   const double before = problem.energy();
   double step = longest, noise_of_positions = 0, refused = 0;
@@ -51,7 +56,7 @@ double Newton::searchEnergy(NonlinearProblem& problem, double longest, double sl
     // the whole correction is refused: how far can rounded positions be to blame?
     if (trial == 1) noise_of_positions = problem.roundOff().energy;
     const double noise = 1e-13 * std::max(std::abs(before), std::abs(after)) + noise_of_positions;
-    const bool enough = after <= before - 1e-4 * step * slope;
+    const bool enough = after <= before - least_decrease * step * slope;
     const bool drowned = step * slope <= noise;
     if (enough || drowned) {
       problem.residual(trial_);
@@ -80,7 +85,7 @@ double Newton::lengthen(NonlinearProblem& problem, double step, double refused, 
   for (int trial = 0; trial < most_trials && refused > least_ratio * step && dot(trial_, direction_) > most_left * slope; ++trial) {
     const double between = std::sqrt(step * refused);
     move(problem, between);
-    is_there = problem.energy() <= before - 1e-4 * between * slope;
+    is_there = problem.energy() <= before - least_decrease * between * slope;
     if (!is_there) {
       refused = between;
       continue;
@@ -133,8 +138,10 @@ double Newton::shorter(double step, double left, double slope, Refused& before) 
 
 /// Without an energy: |R(u + s d).d| <= 0.9 |R(u).d|, the criterion of Matthies and Strang 1979, or a smaller |R|. The
 /// work along d plays the part of the energy's slope; |R| alone would reject good steps of a body that turns, whose
-/// stiff directions are out of balance by the square of the rotation until the next iteration.
+/// stiff directions are out of balance by the square of the rotation until the next iteration. Along a direction of negative curvature,
+/// which a definite tangent can return, R.d grows while an energy would decrease.
 double Newton::searchWork(NonlinearProblem& problem, double longest, double& now) {
+  constexpr double most_growth = 4;
   const double slope = dot(residual_, direction_);
   double step = longest;
   Refused refused;
@@ -144,7 +151,8 @@ double Newton::searchWork(NonlinearProblem& problem, double longest, double& now
     problem.residual(trial_);
     const double candidate = problem.sizeOf(trial_), left = dot(trial_, direction_);
     const bool is_enough = candidate <= (1 - 1e-4 * step) * now ||
-                           std::abs(left) <= (longest < 1 ? 1 - 0.1 * step : 0.9) * std::abs(slope);
+                           std::abs(left) <= (longest < 1 ? 1 - 0.1 * step : 0.9) * std::abs(slope) ||
+                           (is_replaced_ && slope > 0 && left > 0 && candidate <= most_growth * now);
     if (std::isfinite(candidate) && is_enough) {
       now = candidate;
       return step;

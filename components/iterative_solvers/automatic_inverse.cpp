@@ -80,7 +80,7 @@ void AutomaticInverse::noteRate(double iterations, double gained, double part) {
   double& decades = now_.gained[at(now_.way)];
   const bool was_guess = now_.way == Way::block_jacobi && now_.jacobi_is_guess;
   if (now_.way == Way::block_jacobi) now_.jacobi_is_guess = leaves_ && (rate == 0 || was_guess);
-  if (was_guess && !leaves_) rate = 0;
+  if (was_guess && !leaves_ && !now_.lessons.isEmpty()) rate = 0;
   if (rate == 0 || leaves_) {
     rate = std::max(rate, iterations / gained * (leaves_ ? ofSlowStart(part) : 1));
     decades = gained, spent = rate * gained;
@@ -250,9 +250,7 @@ bool AutomaticInverse::refuse(SystemMatrix& matrix, SolveReport& report, StopTok
   return blocks_.follow(matrix, report, stop);
 }
 
-/// Factors that are refused are part of what the next ones cost.
 void AutomaticInverse::noteRefusal() {
-  if (isFactored(now_.way)) now_.given_up += now_.factor_costs.factor;
   if (++now_.refusals == most_refusals) change(Way::block_jacobi);
 }
 

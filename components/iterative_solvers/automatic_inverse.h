@@ -120,7 +120,7 @@ class AutomaticInverse final : public ApproximateInverse {
     int factor_solves = 0;             ///< these
     int factored_solves = 0;           ///< with those by the direct solver
     double fresh_rate = 0;             ///< iterations for a decade by factors of the very matrix
-    double given_up = 0;               ///< on solves by factors that others end, and on factors that are refused [ns]
+    double given_up = 0;               ///< on a solve by former factors that new ones end [ns]
     double product = 0;                ///< by the force fields [ns]; 0: not known
     int multigrid_solves = 0;
     int renewals = 0;                  ///< of hierarchies

@@ -2,23 +2,19 @@
 // AutomaticLinearSolver: A x = b by factors or by conjugate gradients with multigrid, whichever costs less. It is what an
 // integrator of statics gets when its scene names no linear solver. A matrix that is not symmetric gets GMRES (Saad, Schultz
 // 1986) instead of conjugate gradients, with multigrid of its symmetric part: what is not symmetric in a tangent is small where
-// strains are. Both go on while light rows are left, see CGLinearSolver.
+// strains are. Both go on while light rows are left, see CGLinearSolver. Bodies that are nearly incompressible by a mean dilatation
+// get GMRES for displacements and pressures together where that costs less than factors (mixed_solve.h). If that fails, `choice` says so,
+// its iterations count, and displacements alone are solved for from then on.
 //
-// With w h nodes in a cross-section and l / w the slenderness of a body of n nodes, its factors take
-//
-//   135 (w h)^3 l / w flops   and   81 (w h)^2 l / w numbers,
-//
-// the laws of nested dissection with factors from cubes, and in flat bodies 1 + 2.4 (1 - h / w) and 1 + 0.7 ln(w / h) times as much. A
-// hierarchy and its iterations take a time in proportion to the blocks and rows of the matrix. l, w and h come from the second moments of
-// the nodes. Both times are estimated from counts, for a core of 115 Gflop/s in single precision: no clock is read, and each run chooses
-// the same on every machine and with every number of threads. Where forces are not linear, both are those of six solves, which multigrid
-// makes loosely. Factors then serve later matrices too, turned with the body (WarpPreconditioner), where iterations with them are
-// estimated to cost less than factors of each. Bodies below 500 nodes are always factored, each matrix. A solve by multigrid that goes on
-// for longer than factors would have taken (a Poisson's ratio near 1/2 with cells that lock, badly shaped cells) is ended, and the matrix
-// is factored from then on, if factors fit into half of the memory. So it is where solves of Newton's method have taken so many iterations
-// that factors would have paid. With multigrid a symmetric solve begins at the combination of the last four solutions that is nearest in
-// energy (former_solutions.h), where that leaves less than half of the residual. `choice` says what was chosen and why. See
-// SparseLDLSolver, MultigridPreconditioner and PCGLinearSolver for the methods.
+// Costs are estimated from counts (solver_costs.h), for a core of 115 Gflop/s in single precision: no clock is read, and each run
+// chooses the same on every machine and with every number of threads. Where forces are not linear, they are those of six solves, which
+// multigrid makes loosely. Factors then serve later matrices too, turned with the body (WarpPreconditioner), where iterations with them
+// are estimated to cost less than factors of each. Bodies below 500 nodes are always factored, each matrix. A solve by multigrid that
+// goes on for longer than factors would have taken (a Poisson's ratio near 1/2 with cells that lock, badly shaped cells) is ended, and
+// the matrix is factored from then on, if factors fit into half of the memory. So it is where solves of Newton's method have taken so
+// many iterations that factors would have paid. With multigrid a symmetric solve begins at the combination of the last four solutions
+// that is nearest in energy (former_solutions.h), where that leaves less than half of the residual. `choice` says what was chosen and
+// why. See SparseLDLSolver, MultigridPreconditioner and PCGLinearSolver for the methods.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -37,15 +33,9 @@
 #include <limits>
 #include <utility>
 
-#include "components/iterative_solvers/equilibrium_choice.h"
-#include "components/iterative_solvers/former_solutions.h"
-#include "components/iterative_solvers/gmres.h"
+#include "components/iterative_solvers/equilibrium_memory.h"
 #include "components/iterative_solvers/krylov_solver.h"
-#include "components/iterative_solvers/light_rows.h"
-#include "components/iterative_solvers/multigrid.h"
-#include "components/iterative_solvers/row_scales.h"
-#include "components/iterative_solvers/solver_costs.h"
-#include "components/iterative_solvers/warped_factor.h"
+#include "components/iterative_solvers/scene_volumes.h"
 #include "framework/algebra/solver_choice.h"
 #include "framework/scene/factory.h"
 #include "framework/scene/usual_component.h"
@@ -58,10 +48,7 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   void declare(DataTable& table) override;
   void init() override;
   void reset() override {
-    kept_.forEach([](Kept& kept) {
-      kept.inverse.reset(), kept.former.reset(), kept.now = {};
-      if (kept.turned) kept.turned->reset();
-    });
+    kept_.forEach([](Kept& kept) { kept.reset(); });
     if (own_factors_) own_factors_->reset();
   }
   bool usesFactorOf(const Component& solver) const override { return direct_ == &solver; }
@@ -77,21 +64,7 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
 
  private:
   using Way = EquilibriumChoice::Way;
-  /// For each matrix.
-  struct Kept {
-    EquilibriumChoice now, before_step;
-    std::string reason;      ///< of the first choice, in words
-    bool symmetric = true;   ///< the matrix solved last
-    SolverCosts costs;       ///< by which it was chosen
-    Multigrid inverse;
-    std::unique_ptr<WarpedFactor> turned;  ///< null: not needed so far
-    cg::Directions work;
-    LightRows light;
-    cg::FormerSolutions former;
-    gmres::Space space;  ///< of matrices that are not symmetric
-    RowScales scales;
-    Vector unscaled, right_side;  ///< where there are scales
-  };
+  using Kept = EquilibriumMemory;
   bool isInScene() const { return path().front() == '/'; }  ///< one of makeUsual() has no node
   Kept& keptFor(SystemMatrix& matrix);
   /// That of the scene; else one that is made when it is first wanted: its module is not opened for multigrid.
@@ -104,20 +77,20 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   void chooseFor(SystemMatrix& matrix, Kept& kept);
   /// Of the matrix solved last, and of all.
   void tellChoice(const Kept& kept);
-  static int patienceOf(const Kept& kept) {
-    const amg::Hierarchy* hierarchy = kept.inverse.hierarchy();
-    return hierarchy && hierarchy->hasPatches() ? kept.now.patience / 2 : kept.now.patience;
-  }
   SolveReport iterate(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept);
   SolveReport conjugateGradients(const SystemMatrix& matrix, ConstRows b, Rows x, int most, Kept& kept, double& began);
   SolveReport minimalResiduals(const SystemMatrix& matrix, ConstRows b, Rows x, int most, Kept& kept);
   bool iterateWithFactors(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept, SolveReport& report);
   SolveReport solveByFactors(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept);
+  SolveReport solveDisplacements(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept);
+  bool solveMixed(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept, SolveReport& report);
   WarpedFactor& turned(Kept& kept) {
     if (!kept.turned) kept.turned = std::make_unique<WarpedFactor>(factors());
     return *kept.turned;
   }
   void changeToFactors(Kept& kept);
+  /// Between steps, see MixedSolve::reset().
+  bool forgetsPressures(const Kept& kept) const { return kept.mixed && matrixDependsOnState(node().root()); }
 
   Link<DirectSolver> factors_{"direct solver"};
   DirectSolver* direct_ = nullptr;          ///< null: none in the scene, and not needed so far
@@ -156,16 +129,19 @@ AutomaticLinearSolver::Kept& AutomaticLinearSolver::keptFor(SystemMatrix& matrix
 void AutomaticLinearSolver::chooseFor(SystemMatrix& matrix, Kept& kept) {
   kept.symmetric = matrix.symmetric();
   const Index most = direct_ ? direct_->mostRows() : std::numeric_limits<Index>::max();
-  kept.now = chooseFirst(matrix, most, matrixDependsOnState(node().root()), kept.costs, kept.reason);
+  kept.now = chooseFirst(matrix, node().root(), most, kept.costs, kept.reason);
   if (kept.now.way == Way::factors) factors();
   tellChoice(kept);
 }
 
 void AutomaticLinearSolver::tellChoice(const Kept& kept) {
-  if (kept.now.way == Way::factors)
+  if (kept.now.hasPressures())
+    choice_ = "GMRES for displacements and pressures: " + kept.reason;
+  else if (kept.now.way == Way::factors)
     choice_ = kept.now.ofFactors(direct_->type(), kept.reason);
   else
     choice_ = fmt::format("{} with multigrid: {}", kept.symmetric ? "conjugate gradients" : "GMRES", kept.reason);
+  choice_ += kept.now.ofPressures();
   changes_ = 0;
   kept_.forEach([this](const Kept& each) { changes_ += each.now.isChanged(); });
 }
@@ -182,7 +158,7 @@ SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Ro
     report.relative_residual = 1;
     return report;
   }
-  const int most = std::min(iterations_, patienceOf(kept));
+  const int most = std::min(iterations_, kept.patience());
   double began = 1;
   report = kept.symmetric ? conjugateGradients(matrix, b, x, most, kept, began) : minimalResiduals(matrix, b, x, most, kept);
   if (report.stop != SolveStop::stopped) kept.inverse.solved(report, began), kept.now.noteRate(report, began);
@@ -218,34 +194,12 @@ SolveReport AutomaticLinearSolver::conjugateGradients(const SystemMatrix& matrix
   return report;
 }
 
-/// Where rows turn, of S A x = S b with the scales S of the rows.
 SolveReport AutomaticLinearSolver::minimalResiduals(const SystemMatrix& matrix, ConstRows b, Rows x, int most, Kept& kept) {
-  kept.scales.take(matrix);
-  const bool is_scaled = !kept.scales.empty();
-  for (Vector* vector : {&kept.unscaled, &kept.right_side})
-    if (is_scaled && vector->count() != b.count) vector->resize(b.count);
-  const auto multiply = [&](ConstRows p, Rows out) {
-    product(matrix, p, out);
-    kept.scales.multiply(out);
-  };
-  const auto precondition = [&](ConstRows r, Rows z) {
-    if (!is_scaled) return kept.inverse.apply(r, z);
-    copy(r, kept.unscaled);
-    kept.scales.divide(kept.unscaled);
-    kept.inverse.apply(kept.unscaled, z);
-  };
-  ConstRows right_side = b;
-  if (is_scaled) {
-    copy(b, kept.right_side);
-    kept.scales.multiply(kept.right_side);
-    right_side = kept.right_side;
-    norm_b_ = norm(right_side);
-  }
+  const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
+  const auto precondition = [&](ConstRows r, Rows z) { kept.inverse.apply(r, z); };
   const auto note = [&](double residual) { record(residual / norm_b_); };
-  kept.space.resize(b.count);
-  const auto solve = [&](auto limits) { return gmres::solve(multiply, precondition, note, limits, right_side, kept.space, x); };
-  const auto left = [&] { return kept.scales.divide(kept.space.basis[0]); };
-  SolveReport report = kept.light.solveAll(matrix, {most, target(), terms_.stop}, relativeTarget(terms_), solve, left, x);
+  SolveReport report = kept.scaled.solve(matrix, multiply, precondition, note, kept.light, {most, 0, terms_.stop}, relativeTarget(terms_),
+                                         b, x, norm_b_);
   report.relative_residual /= norm_b_;
   return report;
 }
@@ -312,6 +266,29 @@ SolveReport AutomaticLinearSolver::solveByFactors(SystemMatrix& matrix, ConstRow
   return again;
 }
 
+/// False: displacements alone are to be solved for, then and later. x is zero, and the report has what was lost.
+bool AutomaticLinearSolver::solveMixed(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept,
+                                       SolveReport& report) {
+  expected_iterations_ = 2 * most_expected_;
+  if (!begin(matrix, b, x, terms, report)) return true;
+  if (!kept.mixed) kept.mixed = std::make_unique<MixedSolve>();
+  report = kept.mixed->solve({.matrix = matrix,
+                              .b = b,
+                              .product = [&](ConstRows p, Rows out) { product(matrix, p, out); },
+                              .terms = [&] { return stiffVolumesOf(matrix, node().root()); },
+                              .note = [&](double residual) { record(residual / norm_b_); },
+                              .factors = factors(),
+                              .light = kept.light},
+                             iterations_, relativeTarget(terms), terms.stop, x);
+  if (report.stop == SolveStop::converged && !(dot(b, x) > 0)) report.stop = SolveStop::not_definite;
+  if (report.stop == SolveStop::converged || report.stop == SolveStop::stopped) return true;
+  if (report.stop == SolveStop::stagnated && isAtRoundOff(matrix, b, x, report.relative_residual)) return true;
+  kept.now.givePressuresUp(report);
+  kept.mixed = nullptr, clear(x);
+  tellChoice(kept);
+  return false;
+}
+
 void AutomaticLinearSolver::changeToFactors(Kept& kept) {
   kept.now.way = Way::factors, kept.inverse.reset(), kept.former.reset();
   factors();
@@ -320,19 +297,27 @@ void AutomaticLinearSolver::changeToFactors(Kept& kept) {
 
 SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   Kept& kept = keptFor(matrix);
+  const bool has_pressures = kept.now.hasPressures() && matrix.symmetric() && matrix.key().shift == 0;
+  if (has_pressures && refutesPressures(matrix, node().root(), kept.now)) tellChoice(kept);
+  SolveReport lost;
+  if (has_pressures && kept.now.hasPressures() && solveMixed(matrix, b, x, terms, kept, lost)) return lost;
+  SolveReport report = solveDisplacements(matrix, b, x, terms, kept);
+  report.iterations += lost.iterations;
+  return report;
+}
+
+SolveReport AutomaticLinearSolver::solveDisplacements(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept) {
   if (std::exchange(kept.now.is_close, false) && amg::hardlySmooths(matrix.assemble())) {
     kept.now.is_rough = true, changeToFactors(kept);
   }
   if (kept.now.way == Way::factors) return solveByFactors(matrix, b, x, terms, kept);
   if (const bool now = matrix.symmetric(); now != kept.symmetric) kept.symmetric = now, tellChoice(kept);
-  constexpr double little = 1e-6;
   const auto isHopeless = [&](const SolveReport& solve) {
-    if (solve.stop == SolveStop::iteration_limit) return solve.iterations == patienceOf(kept);
+    if (solve.stop == SolveStop::iteration_limit) return solve.iterations == kept.patience();
     if (solve.stop != SolveStop::stagnated) return false;
     kept.work.resize(b.count);
-    // factors would leave as much, or half of it; where rows turn, the solve has measured in other terms
-    const double left = std::sqrt(residual(matrix, b, x, kept.work.r, kept.work.q)) / norm(b);
-    return left > std::max(little, 2 * roundOff(matrix, b, x));
+    // where rows turn, the solve has measured in other terms
+    return !isAtRoundOff(matrix, b, x, std::sqrt(residual(matrix, b, x, kept.work.r, kept.work.q)) / norm(b));
   };
   const int made = kept.inverse.made();
   SolveReport report = iterate(matrix, b, x, terms, kept);
@@ -370,22 +355,19 @@ void AutomaticLinearSolver::serializeFor(SystemMatrix& matrix, Archive& archive)
     kept.inverse.serialize(matrix, archive, !archive.isReading() && !matrixDependsOnState(node().root()));
   if (is_turned) turned(kept).serialize(matrix, archive);
   kept.former.serialize(archive);
+  if (kept.now.hasPressures() && !matrixDependsOnState(node().root())) kept.serializePlaces(archive);
   if (archive.isReading()) tellChoice(kept);
 }
 
 void AutomaticLinearSolver::keepFor(SystemMatrix& matrix) {
   Kept& kept = keptFor(matrix);
-  kept.before_step = kept.now;
-  kept.inverse.keep(matrix), kept.former.keep();
-  if (kept.turned) kept.turned->keep(matrix);
+  kept.keep(matrix, forgetsPressures(kept));
   if (direct_) direct_->keepFor(matrix);
 }
 
 void AutomaticLinearSolver::takeBackFor(SystemMatrix& matrix) {
   Kept& kept = keptFor(matrix);
-  kept.now = kept.before_step;
-  kept.inverse.takeBack(matrix), kept.former.takeBack();
-  if (kept.turned) kept.turned->takeBack(matrix);
+  kept.takeBack(matrix, forgetsPressures(kept));
   if (direct_) direct_->takeBackFor(matrix);
   tellChoice(kept);
 }

@@ -9,6 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "components/iterative_solvers/krylov_solver.h"
+#include "components/iterative_solvers/scene_volumes.h"
+
 namespace stroma {
 namespace {
 
@@ -23,16 +26,15 @@ bool isClose(const SolverCosts& by_law) {
 
 }  // namespace
 
-EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool depends_on_state, SolverCosts& costs,
-                              std::string& reason) {
+EquilibriumChoice chooseFirst(SystemMatrix& matrix, const Node& root, Index most_factored, SolverCosts& costs, std::string& reason) {
   EquilibriumChoice choice{.way = EquilibriumChoice::Way::factors};
   const Index rows = matrix.rows();
   reason = fmt::format("{} nodes are few", rows);
   if (rows < always_factored) return choice;
+  const bool depends_on_state = matrixDependsOnState(root);
+  const int solves = depends_on_state ? usual_solves : 1;
   const Extents extents = extentsOf(rows, matrix.positions());
-  const auto costsOf = [&](const FactorCounts& counts) {
-    return solverCosts(matrix, counts, depends_on_state ? usual_solves : 1);
-  };
+  const auto costsOf = [&](const FactorCounts& counts) { return solverCosts(matrix, counts, solves); };
   costs = costsOf(factorCountsOf(extents));
   if (isClose(costs) || isWide(matrix.pattern()))
     costs = costsOf(fewest(matrix.pattern(), countFactors(matrix.pattern()), extents));
@@ -40,11 +42,36 @@ EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool de
   reason = fmt::format("{} nodes, {:.0f} x {:.0f} x {:.0f}, estimated {:.2g} s with factors of {:.2g} GB, {:.2g} s with multigrid",
                        rows, extents.length, extents.width, extents.height, costs.direct, 8e-9 * costs.factor_entries,
                        costs.multigrid);
+  if (const VolumeTerms volumes = volumesOfFields(matrix, root); volumes.count() > 0) {
+    const double with_pressures = secondsWithPressures(matrix, extents, volumes.count(), double(volumes.rows.size()), solves);
+    reason += fmt::format(", {:.2g} s with pressures", with_pressures);
+    // from 9,000 nodes on multigrid with patches takes more in any case
+    if (with_pressures < costs.direct) choice.pressures = EquilibriumChoice::Pressures::expected;
+  }
   if (costs.multigrid >= costs.direct && rows <= most_factored) return choice;
   choice.way = EquilibriumChoice::Way::multigrid;
   choice.patience = costs.patience();
   choice.is_close = costs.direct < IterationCosts::with_patches * costs.multigrid;
   return choice;
+}
+
+bool refutesPressures(SystemMatrix& matrix, const Node& root, EquilibriumChoice& choice) {
+  using Pressures = EquilibriumChoice::Pressures;
+  if (choice.pressures != Pressures::expected) return false;
+  choice.pressures = hasStiffVolumes(matrix, root) ? Pressures::unknowns : Pressures::refuted;
+  return choice.pressures == Pressures::refuted;
+}
+
+void EquilibriumChoice::givePressuresUp(const SolveReport& report) {
+  pressures = Pressures::given_up;
+  lost_with_pressures = report.iterations, left_with_pressures = report.relative_residual;
+}
+
+std::string EquilibriumChoice::ofPressures() const {
+  if (pressures == Pressures::refuted) return "; not with pressures: the matrix has other terms than its force fields";
+  if (pressures != Pressures::given_up) return {};
+  if (lost_with_pressures == 0) return "; not with pressures: the body is not stable without its resistance to changes of volume";
+  return fmt::format("; {} iterations with pressures left a residual of {:.2g}", lost_with_pressures, left_with_pressures);
 }
 
 std::vector<double> estimateSolves(SystemMatrix& matrix, bool has_patches) {
@@ -68,6 +95,11 @@ double roundOff(const SystemMatrix& matrix, ConstRows b, ConstRows x) {
   for (Index row = 0; row < x.count; ++row)
     sum += (Eigen::Map<const Mat3>(blocks.data() + 9 * std::size_t(row)).transpose() * x[row]).squaredNorm();
   return std::numeric_limits<double>::epsilon() * std::sqrt(sum) / norm(b);
+}
+
+bool isAtRoundOff(const SystemMatrix& matrix, ConstRows b, ConstRows x, double left) {
+  constexpr double little = 1e-6;
+  return left <= std::max(little, 2 * roundOff(matrix, b, x));
 }
 
 void EquilibriumChoice::noteDefinite(const SolveReport& report) {
@@ -136,6 +168,9 @@ void EquilibriumChoice::serialize(Archive& archive) {
   archive.value("strict", is_strict);
   archive.value("strict_failures", strict_failures);
   archive.value("was_definite", was_definite);
+  archive.value("pressures", pressures);
+  archive.value("lost_with_pressures", lost_with_pressures);
+  archive.value("left_with_pressures", left_with_pressures);
   archive.value("multigrid_rate", rate);
 }
 

@@ -11,6 +11,8 @@
 
 namespace stroma {
 
+class Node;
+
 /// What factors that serve later matrices have cost, and what factors of each matrix would have [s]. Iterations are tried for as long
 /// as all matrices together, this one factored after them, cost no more than `worth` times as much as factors of each: so a body whose
 /// matrices former factors do not serve loses little.
@@ -37,6 +39,9 @@ inline bool isOver(SolveStop stop) {
 /// What AutomaticLinearSolver has chosen for a matrix, and remembers of the solves since.
 struct EquilibriumChoice {
   enum class Way : int { open, factors, multigrid };
+  /// Pressures as unknowns, see mixed_solve.h; `way` is for solves that they do not serve. Expected: the first solve looks whether the
+  /// values of the matrix are those of the force fields, and may refute it.
+  enum class Pressures : int { none, expected, unknowns, refuted, given_up };
 
   Way way = Way::open;
   int patience = 0;            ///< iterations of a solve by multigrid
@@ -53,6 +58,9 @@ struct EquilibriumChoice {
   bool is_strict = false;      ///< loose solves have led to where the matrix is not definite
   int strict_failures = 0;     ///< strict ones have done so too
   bool was_definite = false;   ///< the matrix solved before
+  Pressures pressures = Pressures::none;
+  int lost_with_pressures = 0;  ///< iterations, of the solve that gave them up
+  double left_with_pressures = 0;  ///< the relative residual then
   double rate = 0;             ///< iterations by multigrid for a decade of the residual, in the last solve; 0: not known
 
   /// The most that a strict solve leaves of |b|.
@@ -74,8 +82,13 @@ struct EquilibriumChoice {
   /// After a solve by multigrid of Newton's method: true when so many would have paid for factors, and these fit into half of the memory.
   /// `made`: with a new hierarchy.
   bool isDear(const SolverCosts& costs, int iterations, bool has_patches, bool made);
-  /// Whether multigrid proved the wrong choice.
-  bool isChanged() const { return way == Way::factors && (lost_iterations > 0 || solves > 0); }
+  /// Whether the first choice proved wrong.
+  bool isChanged() const { return pressures == Pressures::given_up || (way == Way::factors && (lost_iterations > 0 || solves > 0)); }
+  bool hasPressures() const { return pressures == Pressures::expected || pressures == Pressures::unknowns; }
+  /// After a solve that has failed.
+  void givePressuresUp(const SolveReport& report);
+  /// Why pressures are no unknowns any more, to be added to the reason. Empty: they are, or never were.
+  std::string ofPressures() const;
   /// Whether conjugate gradients may try former factors.
   bool triesFormer() const { return keeps_factors && !is_indefinite && refusals < most_refusals; }
   /// In words, for factors by `type`.
@@ -88,12 +101,17 @@ struct EquilibriumChoice {
 
 /// The first choice for a matrix, by estimates from its counts; `costs` are theirs, `reason` says them in words. Factors are for
 /// `most_factored` rows at most, and serve later matrices only where these change with the state.
-EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool depends_on_state, SolverCosts& costs, std::string& reason);
+EquilibriumChoice chooseFirst(SystemMatrix& matrix, const Node& root, Index most_factored, SolverCosts& costs, std::string& reason);
+
+/// Looks at the values of the first matrix where pressures are expected. True where the choice has changed.
+bool refutesPressures(SystemMatrix& matrix, const Node& root, EquilibriumChoice& choice);
 
 /// The output `estimates` of AutomaticLinearSolver. `has_patches`: a hierarchy needs them.
 std::vector<double> estimateSolves(SystemMatrix& matrix, bool has_patches);
 
 /// The |b - A x| / |b| that round-off leaves, whatever solves: that of D x, D the diagonal blocks.
 double roundOff(const SystemMatrix& matrix, ConstRows b, ConstRows x);
+/// Whether factors would leave as much as this relative residual, or half of it.
+bool isAtRoundOff(const SystemMatrix& matrix, ConstRows b, ConstRows x, double left);
 
 }  // namespace stroma

@@ -142,12 +142,31 @@ SolverCosts solverCosts(SystemMatrix& matrix, const FactorCounts& counts, int so
   return costs;
 }
 
+double secondsWithPressures(SystemMatrix& matrix, const Extents& extents, double pressures, double entries, int solves) {
+  constexpr double to_tolerance = 30, loose = 13;
+  constexpr double each_row = 260;     // of an iteration: products with B, and with the vectors before
+  constexpr double making_block = 60;  // of X, and of what is subtracted from K
+  constexpr double few_nodes = 12;     // of a volume; with more, separators of X are twice as thick
+  const BlockMatrix& pattern = matrix.pattern();
+  const double rows = pattern.rows(), blocks = pattern.blocks(), pressure_rows = std::ceil(pressures / 3);
+  const double finer = std::cbrt(pressure_rows / rows);
+  FactorCounts counts = factorCountsOf({extents.length * finer, extents.width * finer, extents.height * finer});
+  if (entries > few_nodes * pressures) counts.entries *= 4, counts.flops *= 8;
+  const FactorCosts factors = factorCosts(pressure_rows, 27 * pressure_rows, counts, true);
+  if (!factorsFit(factors.entries)) return std::numeric_limits<double>::infinity();
+  const double made = IterationCosts::hierarchy(rows, blocks) + making_block * blocks + factors.factor;
+  const double iteration = IterationCosts::cycle(rows, blocks) + 2 * BlockMatrix::productCost(blocks, false) + 2 * factors.application +
+                           each_row * rows;
+  const double first = factors.order + IterationCosts::room(factors.entries) + made;
+  return nanosecond * (first + solves * (IterationCosts::assembly(matrix) + (solves > 1 ? loose : to_tolerance) * iteration));
+}
+
 // Small and slender ones are factored in double precision. Of matrices of 729 to 12,005 nodes whose patterns had been factored before.
 FactorCosts factorCosts(double rows, double blocks, const FactorCounts& counts, bool in_single) {
   const auto [entries, flops] = counts;
   const bool is_single = in_single || flops >= std::max(5e7, 180 * entries);
   FactorCosts costs;
-  costs.order = IterationCosts::order(rows, blocks, counts);
+  costs.order = IterationCosts::order(blocks, counts);
   const Factorisation::Cost own = Factorisation::Cost::of(entries, flops, is_single);
   costs.factor = own.factor / nanosecond;
   costs.application = own.apply / nanosecond + FactorCosts::turning * rows;

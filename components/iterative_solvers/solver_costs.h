@@ -43,6 +43,9 @@ FactorCounts fewest(const BlockMatrix& pattern, const FactorCounts& counted, con
 
 /// `matrix` tells what products and an assembly cost. `solves`: how many to expect, with other values in the pattern.
 SolverCosts solverCosts(SystemMatrix& matrix, const FactorCounts& counts, int solves = 1);
+/// The seconds of as many solves by MixedSolve, of a body with these extents, `pressures` and so many `entries` in all rows of B. Infinite
+/// where the factors of the pressures would not fit.
+double secondsWithPressures(SystemMatrix& matrix, const Extents& extents, double pressures, double entries, int solves);
 
 /// Of factors that precondition, in nanoseconds.
 struct FactorCosts {
@@ -92,8 +95,8 @@ struct IterationCosts {
     return told >= 0 && told < of_products ? told + 30.0 * matrix.rows() : assembly(double(matrix.rows()));
   }
   /// Of a direct solver, with the analysis.
-  static double order(double rows, double blocks, const FactorCounts& counts) {
-    return 5e5 + (isDissected(blocks, counts) ? 6000 * rows + 150 * blocks : 80 * blocks);
+  static double order(double blocks, const FactorCounts& counts) {
+    return 5e5 + (isDissected(blocks, counts) ? 430 : 80) * blocks;
   }
   static double pattern(double rows, double blocks) { return 2500 * rows + 150 * blocks; }
   /// Of the first factors: a module with its libraries, and memory that the system has to give.

@@ -83,6 +83,7 @@ class SurfacePressureForceField final : public SurfaceLoad {
   std::vector<double> weightsOf(const std::vector<Face>& faces) const;
   static std::size_t splitQuads(std::vector<Face>& faces);
   double pressureAt(double t) const;
+  double pulseAfter(long steps) const;
 
   double pressure_ = 0, lower_bound_ = 0, speed_ = 0, default_volume_ = -1;
   SurfaceSelection selection_;
@@ -90,6 +91,7 @@ class SurfacePressureForceField final : public SurfaceLoad {
   std::vector<double> key_times_, key_pressures_;
   bool pulse_ = false, gas_ = false, use_tangent_ = true, exact_border_ = false;
   enum class Quads : int { bilinear, halves } quads_ = Quads::bilinear;
+  enum class PulseSteps : int { none, end, start } pulse_steps_ = PulseSteps::none;
   KeyTimes<double> keys_;
   double now_ = 0;  ///< p [Pa]
 };
@@ -107,6 +109,10 @@ void SurfacePressureForceField::declare(DataTable& table) {
   table.add("pulseMode", pulse_).help("the pressure oscillates between pressureLowerBound and pressure");
   table.add("pressureLowerBound", lower_bound_).help("the other end of the pulse").unit("Pa");
   table.add("pressureSpeed", speed_).help("change of the pressure in pulseMode").unit("Pa/s").min(0);
+  table.addChoice("pulseSteps", pulse_steps_, {"none", "end", "start"})
+      .help(
+          "none: the pulse is linear in time. end and start: it changes by pressureSpeed dt in each step and is cut off at its ends, as "
+          "SOFA's; forces are evaluated at the end of a step, or at its start with the pressure of the end");
   table.add("keyTimes", key_times_)
       .help(
           "times, ascending; before the first and after the last the pressure is "
@@ -216,11 +222,25 @@ std::vector<double> SurfacePressureForceField::weightsOf(const std::vector<Face>
 double SurfacePressureForceField::pressureAt(double t) const {
   if (!key_times_.empty()) return keys_.at(t);
   if (!pulse_) return pressure_;
+  if (pulse_steps_ != PulseSteps::none)
+    return pulseAfter(std::lround((t - node().root().root_time) / node().dt()) + (pulse_steps_ == PulseSteps::start));
   const double way = speed_ * std::max(t, 0.), first = std::abs(pressure_), swing = pressure_ - lower_bound_;
   if (way <= first) return std::copysign(way, pressure_);
   if (swing == 0) return pressure_;
   const double turns = std::fmod((way - first) / std::abs(swing), 2.);
   return pressure_ - swing * (turns < 1 ? turns : 2 - turns);
+}
+
+/// From zero up, and then down and up between the ends, by as many steps each.
+double SurfacePressureForceField::pulseAfter(long steps) const {
+  const double high = pressure_ > 0 ? pressure_ : lower_bound_, low = pressure_ > 0 ? lower_bound_ : pressure_;
+  const double change = speed_ * node().dt();
+  constexpr double grace = 1e-9;  // of a step
+  const auto count = [change](double way) { return std::max(1L, std::lround(std::ceil(way / change - grace))); };
+  const long first = count(high), swing = count(high - low);
+  if (steps < first) return double(steps) * change;
+  const long since = (steps - first) % (2 * swing);
+  return since <= swing ? std::max(high - double(since) * change, low) : std::min(low + double(since - swing) * change, high);
 }
 
 Mat3 SurfacePressureForceField::stress(ConstRows x) const {

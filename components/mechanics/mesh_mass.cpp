@@ -93,6 +93,7 @@ void MeshMass::declare(DataTable& table) {
       .help("which carry mass: all of the highest dimension, or the first kind of hexahedra, tetrahedra, quads, triangles, edges");
   table.addChoice("shares", shares_, {"integrals", "equal"})
       .help("of a cell's mass at its nodes: the integrals, or for DiagonalMass the same at all, where quads are two triangles");
+  table.add("absoluteVolumes", absolute_volumes_).help("inverted cells have the mass of their volume without its sign, as in SOFA");
   topology_.declare(table, "mesh of the cells");
   table.addLink("geometryState", geometry_state_)
       .help("state whose positions give the volumes; the mass's own by default");
@@ -201,6 +202,9 @@ void MeshMass::findDensities(double overlap) {
 void MeshMass::massMatrixOf(std::size_t cell, CellMatrix& out) const {
   cellMassMatrix(cells_[cell], *geometry_, out);
   const auto [kind, nodes] = cells_[cell];
+  const std::size_t entries = std::size_t(kind->nodes) * std::size_t(kind->nodes);
+  if (absolute_volumes_ && std::accumulate(out.begin(), out.begin() + std::ptrdiff_t(entries), 0.) < 0)
+    for (std::size_t k = 0; k < entries; ++k) out[k] = -out[k];
   if (shares_ != Shares::equal || kind != &cell_kinds::quad) return;
   const auto at = [&](int corner) -> const Vec3& { return (*geometry_)[std::size_t(nodes[corner])]; };
   const Vec3 across = at(2) - at(0);

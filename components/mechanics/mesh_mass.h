@@ -52,6 +52,7 @@ class MeshMass : public Mass {
   }
 
   bool compute_on_rest_ = true;
+  bool absolute_volumes_ = false;
   enum class Cells : int { all, first } which_cells_ = Cells::all;
   enum class Shares : int { integrals, equal } shares_ = Shares::integrals;
 

@@ -90,6 +90,7 @@ class MeshSprings : public SpringField {
   const Mesh& findMesh() {
     ForceField::init();
     const Topology* topology = topology_.find(*this, state());
+    mesh_ = topology ? &topology->mesh() : nullptr;
     if (!topology) throw ComponentError("no mesh gives the springs", "a topology in this node or above");
     if (range_.size() != 2) throw ComponentError(fmt::format("localRange has {} values", range_.size()), "2 values");
     return topology->mesh();
@@ -108,7 +109,7 @@ class MeshSprings : public SpringField {
     if (springs_.empty() && !allow_empty_) throw ComponentError(empty, expected);
     if (springs_.empty()) warn(empty, expected);
     for (Spring& spring : springs_) {
-      spring.length = restDistance(spring);
+      spring.length = grid_lengths_ ? gridDistance(spring) : restDistance(spring);
       if (!per_length_) continue;
       if (!(spring.length > 0))
         throw ComponentError(fmt::format("nodes {} and {} are one place at rest", spring.a, spring.b),
@@ -133,6 +134,7 @@ class MeshSprings : public SpringField {
       warn(fmt::format("{} is not given: the default {:g} N/m is used", own->name(), kind.stiffness), "stiffness, of all kinds of cells");
   }
 
+  bool grid_lengths_ = false;  ///< lengths at rest are those of the mesh, wherever the state puts its nodes
   Kind kinds_[5] = {
       {"lines", nullptr}, {"triangles", nullptr}, {"quads", nullptr}, {"tetrahedra", "tetras"}, {"cubes", "hexas"}};
 
@@ -141,7 +143,12 @@ class MeshSprings : public SpringField {
     const Data* own = data().find(std::string(kind.name) + what);
     if (own && !own->isSet()) value = all;
   }
+  double gridDistance(const Spring& spring) const {
+    const std::vector<Vec3>& places = mesh_->position;
+    return (places.at(std::size_t(spring.b)) - places.at(std::size_t(spring.a))).norm();
+  }
   TopologyLink topology_;
+  const Mesh* mesh_ = nullptr;
   bool no_compression_ = false, per_length_ = false, allow_empty_ = false;
   double stiffness_ = 0, damping_of_all_ = 0;
   std::vector<int> range_{-1, -1};
@@ -158,12 +165,13 @@ class MeshSpringForceField final : public MeshSprings {
   void declare(DataTable& table) override {
     MeshSprings::declare(table);
     for (int kind : {lines, triangles, quads, tetrahedra, cubes}) declareKind(table, kind);
+    table.add("listedLines", listed_lines_).help("lines are the edges that the mesh lists, if there are any, and not those of its cells");
   }
 
   void init() override {
     const Mesh& mesh = findMesh();
     spreadToKinds();
-    if (kinds_[lines].isSet()) addAllPairs(mesh.allEdges(), lines);
+    if (kinds_[lines].isSet()) addAllPairs(listed_lines_ && !mesh.edges.empty() ? mesh.edges : mesh.allEdges(), lines);
     if (kinds_[triangles].isSet())
       addAllPairs(mesh.triangles.empty() ? mesh.triangularFaces() : mesh.triangles, triangles);
     if (kinds_[quads].isSet()) addAllPairs(quadsOf(mesh), quads);
@@ -173,6 +181,7 @@ class MeshSpringForceField final : public MeshSprings {
   }
 
  private:
+  bool listed_lines_ = false;
   template <class Cell>
   void addAllPairs(const std::vector<Cell>& cells, int kind) {
     for (const Cell& cell : cells)
@@ -189,6 +198,8 @@ class RegularGridSpringForceField final : public MeshSprings {
   void declare(DataTable& table) override {
     MeshSprings::declare(table);
     for (int kind : {lines, quads, cubes}) declareKind(table, kind);
+    table.add("gridLengths", grid_lengths_)
+        .help("lengths at rest are the distances in the grid, also if the state scales its nodes, as in SOFA");
   }
 
   void init() override {

@@ -235,6 +235,51 @@ TEST(OtherBodies, ACondensedNodeIsAttachedToAFrame) {
   expectSame(found, expected, 2e-8);
 }
 
+/// A soft body above the condensed one, of the corotational method, whose matrix is another one in each step.
+std::string softBlock(const std::string& solver, const std::string& more) {
+  return fmt::format(
+      "<Node name=\"c\">{}<Node name=\"source\"><RegularGridTopology name=\"grid\" n=\"4 3 4\" min=\"0.015 0.013 0.0605\" "
+      "max=\"0.065 0.048 0.1\"/></Node><TetrahedronSetTopologyContainer name=\"mesh\"/><Hexa2TetraTopologicalMapping "
+      "input=\"@source/grid\" output=\"@mesh\"/><MechanicalObject name=\"dofs\"/><MeshMatrixMass massDensity=\"400\"/>"
+      "<TetrahedronFEMForceField method=\"large\" youngModulus=\"3000\" poissonRatio=\"0.3\"/>{}</Node>",
+      solver, more);
+}
+
+std::string softBall(const std::string& solver) {
+  return "<Node name=\"c\">" + solver +
+         "<GenerateSphere name=\"ball\" radius=\"0.012\" origin=\"0.043 0.031 0.0728\" tessellationDegree=\"2\"/>"
+         "<TetrahedronSetTopologyContainer name=\"mesh\" position=\"@ball.output_TetrahedraPosition\" tetrahedra=\"@ball.tetrahedra\"/>"
+         "<MechanicalObject name=\"dofs\"/><MeshMatrixMass massDensity=\"2000\"/><ConstantForceField totalForce=\"0.05 0.02 -0.2\"/>"
+         "<TetrahedronFEMForceField method=\"large\" youngModulus=\"20000\" poissonRatio=\"0.3\"/></Node>";
+}
+
+std::string contactWithBall(double friction) {
+  return fmt::format("<ConstraintContact name=\"contact\" mstate=\"@b/dofs\" topology=\"@b/mesh\" other=\"@c/dofs\" "
+                     "contactDistance=\"2e-4\" friction=\"{}\"/>",
+                     friction);
+}
+
+/// A soft ball falls on the block and is pushed along.
+TEST(OtherBodies, ASoftBodyMeetsACondensedBodyAsTheWholeOne) {
+  const std::string whole = "<EulerImplicitSolver/><SparseLDLSolver/>";
+  for (const double friction : {0.0, 0.3}) {
+    SCOPED_TRACE(friction);
+    const Outcome expected = run(scene(whole, block() + softBall("") + contactWithBall(friction)), 20);
+    EXPECT_GT(std::abs(expected.wrenches[2]), 0.1) << "they meet";
+    expectSame(run(scene("", block(floor_held, condensed) + softBall(whole) + contactWithBall(friction)), 20), expected, 2e-7);
+  }
+}
+
+TEST(OtherBodies, ASoftBodyIsAttachedToACondensedBody) {
+  const std::string whole = "<EulerImplicitSolver/><SparseLDLSolver/>";
+  const std::string tie = "<BilateralLagrangianConstraint object1=\"@b/dofs\" object2=\"@c/dofs\" first_point=\"81 82 86 87\" "
+                          "second_point=\"0 1 4 5\" rest_vector=\"-0.005 -0.002 0.0005  -0.008 -0.002 0.0005  -0.005 0.0005 0.0005  "
+                          "-0.008 0.0005 0.0005\"/>";
+  const Outcome expected = run(scene(whole, block() + softBlock("", "") + tie), 20);
+  const Outcome found = run(scene("", block(floor_held, condensed) + softBlock(whole, "") + tie), 20);
+  expectSame(found, expected, 1e-10);
+}
+
 TEST(OtherBodies, InputsPullAFrame) {
   const std::string content = block() + Tool().text() + contact(0.2);
   std::vector<Outcome> runs;
@@ -265,21 +310,27 @@ std::vector<double> placesOf(const Simulation& simulation) {
 }
 
 TEST(OtherBodies, ARunRepeatsBitForBitAlsoFromACheckpoint) {
-  const std::string text =
-      scene(condensed, block() + Tool{.velocity = "0.05 0.02 -0.1  3 -5 2", .inertia = "0.6e-6 1.2e-6 1.5e-6"}.text() + contact(0.3));
-  Simulation whole = simulationFromText(text), restored = simulationFromText(text);
-  step(whole, 15);
-  restored.restore(whole.checkpoint());
-  step(whole, 15), step(restored, 15);
-  EXPECT_EQ(placesOf(whole), placesOf(restored));
-  setThreads(2);
-  Simulation on_two = simulationFromText(text);
-  step(on_two, 30);
-  setThreads(1);
-  EXPECT_EQ(placesOf(whole), placesOf(on_two));
-  restored.reset();
-  step(restored, 30);
-  EXPECT_EQ(placesOf(whole), placesOf(restored));
+  const Tool tool{.velocity = "0.05 0.02 -0.1  3 -5 2", .inertia = "0.6e-6 1.2e-6 1.5e-6"};
+  const std::string body = block(floor_held, condensed), implicit = "<EulerImplicitSolver/>";
+  for (const std::string& text :
+       {scene(condensed, block() + tool.text() + contact(0.3)),
+        scene("", body + softBall(implicit + "<SparseLDLSolver/>") + contactWithBall(0.3)),
+        scene("", body + softBall(implicit + "<CGLinearSolver iterations=\"500\" tolerance=\"1e-12\"/>") + contactWithBall(0.3))}) {
+    SCOPED_TRACE(text);
+    Simulation whole = simulationFromText(text), restored = simulationFromText(text);
+    step(whole, 15);
+    restored.restore(whole.checkpoint());
+    step(whole, 5), step(restored, 5);
+    EXPECT_EQ(placesOf(whole), placesOf(restored));
+    setThreads(2);
+    Simulation on_two = simulationFromText(text);
+    step(on_two, 20);
+    setThreads(1);
+    EXPECT_EQ(placesOf(whole), placesOf(on_two));
+    restored.reset();
+    step(restored, 20);
+    EXPECT_EQ(placesOf(whole), placesOf(restored));
+  }
 }
 
 TEST(OtherBodies, WhatTheyCannotBeIsSaid) {
@@ -295,11 +346,11 @@ TEST(OtherBodies, WhatTheyCannotBeIsSaid) {
   expectRefused(scene("", block(floor_held, condensed) + Tool{.solver = "<EulerImplicitSolver rayleighStiffness=\"0.1\"/>" +
                                                                         std::string("<SparseLDLSolver/>")}.text() + contact()),
                 {"rayleighStiffness", "/tool"});
-  std::string soft = block(floor_held, euler);
-  soft.replace(soft.find("\"b\""), 3, "\"c\"");
   const std::string tie =
       "<DistanceLagrangianConstraint object1=\"@b/dofs\" object2=\"@c/dofs\" first_point=\"99\" second_point=\"0\"/>";
-  expectRefused(scene("", block(floor_held, condensed) + soft + tie), {"/c/dofs", "only rigid frames"});
+  expectRefused(scene("", block(floor_held, condensed) + softBlock("<EulerExplicitSolver/>", "") + tie), {"/c/dofs", "no linear solver"});
+  expectRefused(scene("", block(floor_held, "<CondensedStaticSolver/>") + softBlock("<StaticSolver/><SparseLDLSolver/>", "") + tie),
+                {"/c/dofs is free", "CondensedDynamicSolver"});
 }
 
 }  // namespace STROMA_TEST_FILE

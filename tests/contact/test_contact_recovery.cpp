@@ -73,5 +73,15 @@ TEST(ContactRecovery, BodiesInTroubleRegainTheirShape) {
     }
 }
 
+/// Balls of a method that has no potential hit each other, and tangents have directions of negative curvature: along those the work of the
+/// residual grows, and a search that asks for less of it found no step.
+TEST(ContactRecovery, StepsInWhichSoftBallsHitEachOtherConverge) {
+  Simulation simulation(loadScene(STROMA_SOURCE_DIR "/scenes/examples/balls_in_a_soft_bowl.xml", {}, factory(), modules()));
+  for (int step = 0; step < 20; ++step) {
+    const StepReport report = simulation.step();
+    EXPECT_TRUE(report.newton_converged) << "step " << step << ": " << report.reason;
+  }
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

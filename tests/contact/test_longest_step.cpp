@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Longest steps: what meets is never missed, what is free is seldom stopped. Whether a pair meets on its way is known by
 // construction: two points of it are led through each other at a time that is chosen.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -72,6 +73,30 @@ TEST(LongestStep, DoesNotTireOfSliding) {
   const FourPoints x{Vec3(0.3, 0.3, 1e-6), Vec3(0, 0, 0), Vec3(1e4, 0, 0), Vec3(0, 1e4, 0)};
   const FourPoints dx{Vec3(1e3, 1e3, 0), Vec3(0, 0, 0), Vec3(0, 0, 0), Vec3(0, 0, 0)};
   EXPECT_EQ(longestStep(PairKind::point_triangle, x, dx), 1);
+}
+
+/// Two long edges that cross at a small angle, or a point over a triangle, at a hundred-millionth of their size. Both turn about a line
+/// through the place where they are nearest, as one body does: each point moves to the other side of where the normal has its plane,
+/// but they never meet. They do where they also approach each other.
+TEST(LongestStep, DoesNotTireOfSidesThatTiltTogether) {
+  constexpr double gap = 1e-8;
+  for (const PairKind kind : kinds)
+    for (const double angle : {1e-3, 0.1, 1.0})
+      for (const double closing : {0.0, 0.9, 1.6}) {  // of the gap, in the whole step
+        FourPoints x{Vec3(0.1, 0.1, gap), Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(0, 1, 0)};
+        if (kind == PairKind::edge_edge) x = {Vec3(-1, 0, gap), Vec3(1, 0, gap), Vec3(-1, -angle, 0), Vec3(1, angle, 0)};
+        FourPoints dx;
+        for (std::size_t i = 0; i < 4; ++i) dx[i] = 5e-3 * Vec3(0.3, 1, 0).cross(x[i]);
+        for (std::size_t i = 0; i < (kind == PairKind::edge_edge ? 2 : 1); ++i) dx[i].z() -= closing * gap;
+        const double t = longestStep(kind, x, dx);
+        SCOPED_TRACE(fmt::format("{}, angle {}, closing {}", kind == PairKind::edge_edge ? "edges" : "triangle", angle, closing));
+        if (closing < 1) {
+          EXPECT_EQ(t, 1);
+        } else {
+          EXPECT_LT(t, 1 / closing * (1 + 1e-4));
+          EXPECT_GT(t, 0.8 / closing);
+        }
+      }
 }
 
 /// Small pairs a million metres from the origin, whose places are rounded to 1e-10 m: a point over a triangle and an edge over an edge,

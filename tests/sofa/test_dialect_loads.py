@@ -334,4 +334,46 @@ def nodes_outside_of_a_cone():
     agree(Run(scene, 12).x(), euler(x, 0.5 * np.eye(6), field, 12, 0.01, v=v))
 
 
+@case
+def forces_of_other_numbers_than_nodes():
+    """The last one is that of the nodes beyond, and those beyond the nodes count for nothing."""
+    X = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0]])
+    body = f'<MechanicalObject name="dofs" position="{numbers_of(X)}"/><UniformMass totalMass="3"/><ConstantForceField {{}}/>'
+    for words, forces, said in (('indices="0 1 2" forces="1 0 0  0 1 0"', [[1, 0, 0], [0, 1, 0], [0, 1, 0]], "the others have the last"),
+                                ('forces="1 0 0  0 1 0"', [[1, 0, 0], [0, 1, 0], [0, 1, 0]], "forces has 2 values for 3 nodes"),
+                                ('indices="2 1" forces="1 0 0  0 1 0  0 0 5"', [[0, 0, 0], [0, 1, 0], [1, 0, 0]], "count for nothing"),
+                                ('indices="2 1" forces="0 0 5"', [[0, 0, 0], [0, 0, 5], [0, 0, 5]], "")):
+        run = Run(node(EXACT + body.format(words)), 1)
+        agree((run.x() - X) / 1e-4, forces, 1e-8)
+        run.says(said)
+
+
+def pulse(pressure, low, change, steps):
+    """SOFA's: once more in each step, cut off at its ends."""
+    value, rises, values = 0.0, True, []
+    ends = (low, pressure) if pressure > 0 else (pressure, low)
+    for _ in range(steps):
+        value += change if rises else -change
+        if (rises and value >= ends[1]) or (not rises and value <= ends[0]):
+            value, rises = ends[1] if rises else ends[0], not rises
+        values.append(value)
+    return values
+
+
+@case
+def pressures_that_beat():
+    """On a triangle of area 1/2 with 1 kg at each corner; steps that fit between the ends and others; nothing without a speed."""
+    body = ('<MeshTopology position="0 0 0  1 0 0  0 1 0" triangles="0 1 2"/><MechanicalObject name="dofs"/><UniformMass vertexMass="1"/>'
+            '<SurfacePressureForceField pressure="{}" pulseMode="1" pressureLowerBound="{}" {} useTangentStiffness="0"/>')
+    for solver, (pressure, low, speed) in itertools.product(("<EulerExplicitSolver/>", EXACT), ((6, 1, 100), (6, 1, 170), (6, 0, 250), (-4, 0, 150))):
+        v = z = 0.0
+        for value in pulse(pressure, low, 0.01 * speed, 30):
+            v += 0.01 * value / 6
+            z += 0.01 * v
+        agree(Run(node(solver + body.format(pressure, low, f'pressureSpeed="{speed}"')), 30).x()[:, 2], [z] * 3, 1e-6)
+    run = Run(node(EXACT + body.format(6, 1, "")), 10)
+    agree(run.x()[:, 2] + 1, [1] * 3)
+    run.says("SOFA's pulse stays at zero")
+
+
 main()

@@ -682,4 +682,15 @@ def attributes_that_sofa_declares_and_others():
     agree(Run(root(EXACT + grid), 10).x(), [[0, fallen(10), 0], [1, fallen(10), 0]])
 
 
+@case
+def factors_of_a_correction_that_are_not_one():
+    """They scale what forces of constraint do in SOFA: that is told, and nothing where they are 1."""
+    scene = root('<FreeMotionAnimationLoop/><GenericConstraintSolver/>' + EXACT + BODY + '<FixedLagrangianConstraint indices="0"/>'
+                 '<UncoupledConstraintCorrection compliance="0.001" correctionVelocityFactor="{}" correctionPositionFactor="{}"/>')
+    run = Run(scene.format("0.5", "1.0"), 1)
+    run.says("correctionVelocityFactor: scales how forces of constraint change velocities in SOFA")
+    assert "correctionPositionFactor: scales" not in run.text, run.text
+    Run(scene.format("1", "0.2"), 1).says("correctionPositionFactor: scales how forces of constraint move nodes in SOFA")
+
+
 main()

@@ -6,7 +6,7 @@ import itertools
 import numpy as np
 
 from dialect import CUBE, EXACT, Run, agree, case, differ, fallen, falls, main, node, numbers_of, oriented, placed, root
-from reference import axes_of, euler, gravity, hexahedra, membrane, of_rest, of_springs, springs, together, turn_of
+from reference import axes_of, euler, gravity, hexahedra, membrane, of_rest, of_springs, springs, tetrahedra, together, turn_of
 
 CHAIN = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [2.5, 0.5, 0.2]])
 CHAIN_TEXT = (f'<MeshTopology position="{numbers_of(CHAIN)}" edges="0 1  1 2  2 3"/><MechanicalObject name="dofs"/>'
@@ -420,13 +420,13 @@ def spheres_push_outwards():
 def springs_of_each_kind_of_cell():
     """Each pair once, with the constants of the first kind that has it."""
     X = CUBE + 0.1 * np.sin(5 * np.arange(24)).reshape(8, 3)
-    kinds = {"triangles": ((0, 1, 3), 20), "quads": ((0, 1, 3, 2), 30), "tetrahedra": ((0, 1, 2, 4), 40), "hexahedra": ((0, 1, 3, 2, 4, 5, 7, 6), 50)}
-    for chosen in itertools.chain.from_iterable(itertools.combinations(kinds, n) for n in (1, 2, 4)):
+    kinds = {"edges": ((2, 5), 10), "triangles": ((0, 1, 3), 20), "quads": ((0, 1, 3, 2), 30), "tetrahedra": ((0, 1, 2, 4), 40), "hexahedra": ((0, 1, 3, 2, 4, 5, 7, 6), 50)}
+    for chosen in itertools.chain.from_iterable(itertools.combinations(kinds, n) for n in (1, 2, 5)):
         found, cells, words = {}, "", ""
         for kind in chosen:
             nodes, k = kinds[kind]
             cells += f'{kind}="{" ".join(map(str, nodes))}" '
-            name = {"hexahedra": "cubes"}.get(kind, kind)
+            name = {"hexahedra": "cubes", "edges": "lines"}.get(kind, kind)
             words += f'{name}Stiffness="{k}" {name}Damping="{k / 100}" '
             for pair in itertools.combinations(sorted(nodes), 2):
                 found.setdefault(pair, k)
@@ -440,10 +440,12 @@ def springs_of_each_kind_of_cell():
         k, d = {1: (300, 2), 2: (100, 1), 3: (50, 0.5)}[int(np.abs(CUBE[a] - CUBE[b]).sum())]
         L = np.linalg.norm(X[a] - X[b])
         lists.append((a, b, k / L, d / L, L))
-    scene = root(EXACT + '<RegularGridTopology n="2 2 2" min="0 0 0" max="1 1.5 2"/><MechanicalObject name="dofs"/><UniformMass totalMass="8"/>'
-                 '<RegularGridSpringForceField linesStiffness="300" linesDamping="2" quadsStiffness="100" quadsDamping="1" cubesStiffness="50" '
-                 'cubesDamping="0.5"/><FixedConstraint indices="0 1"/>')
-    agree(Run(scene, 10).x(), euler(X, np.eye(8), together(gravity(np.ones(8), [0, -10, 0]), of_springs(lists)), 10, 0.01, held=[0, 1]), 1e-8)
+    for scale in (1, 1.1):  # the lengths are those of the grid
+        scene = root(EXACT + f'<RegularGridTopology n="2 2 2" min="0 0 0" max="1 1.5 2"/><MechanicalObject name="dofs" scale="{scale}"/><UniformMass '
+                     'totalMass="8"/><RegularGridSpringForceField linesStiffness="300" linesDamping="2" quadsStiffness="100" quadsDamping="1" '
+                     'cubesStiffness="50" cubesDamping="0.5"/><FixedConstraint indices="0 1"/>')
+        fields = together(gravity(np.ones(8), [0, -10, 0]), of_springs(lists))
+        agree(Run(scene, 10).x(), euler(X * scale, np.eye(8), fields, 10, 0.01, held=[0, 1]), 1e-8)
 
 
 @case
@@ -483,6 +485,22 @@ def masses_of_the_shape_at_rest_or_of_the_start():
                          '<RestShapeSpringsForceField stiffness="30"/>')
             fields = together(gravity(np.full(4, m), [0, -10, 0]), of_rest(range(4), X, 30.0))
             agree(Run(scene, 10).x(), euler(now, m * np.eye(4), fields, 10, 0.01), 1e-8)
+
+
+@case
+def inverted_cells_have_a_mass():
+    """Volumes are without a sign: of meshes whose tetrahedra are listed the other way round."""
+    X = np.array([[0, 0, 0], [1, 0, 0], [0, 0, 1], [0, 1, 0], [1, 1, 1.0]])
+    cells, m = [(0, 1, 2, 3), (1, 2, 3, 4)], np.zeros(5)
+    for cell in cells:
+        edges = X[list(cell[1:])] - X[cell[0]]
+        assert np.linalg.det(edges) < 0
+        m[list(cell)] += 3 * abs(np.linalg.det(edges)) / 24
+    fields = together(gravity(m, [0, -10, 0]), tetrahedra(cells, X, 300, 0.3))
+    for mass in ('DiagonalMass massDensity="3"', f'DiagonalMass totalMass="{m.sum()}"', 'MeshMatrixMass massDensity="3" lumping="1"'):
+        scene = root(EXACT + f'<TetrahedronSetTopologyContainer position="{numbers_of(X)}" tetrahedra="0 1 2 3  1 2 3 4"/><MechanicalObject name="dofs"/>'
+                     f'<{mass}/><TetrahedronFEMForceField method="small" youngModulus="300" poissonRatio="0.3"/><FixedConstraint indices="0"/>')
+        agree(Run(scene, 10).x(), euler(X, np.diag(m), fields, 10, 0.01, held=[0]), 1e-8)
 
 
 def shapes_of_cells():
@@ -643,7 +661,7 @@ def what_a_silent_scene_means():
              '<FixedProjectiveConstraint indices="0 1"/>{}')
     points = '<MechanicalObject name="dofs" position="0 0 0  1.2 -0.1 0  2 -0.4 0.1"/>{}<FixedProjectiveConstraint indices="0"/>{}'
     frames = ('<MeshTopology edges="0 1  1 2"/><MechanicalObject template="Rigid3" name="dofs" position="0 0 0 0 0 0 1  1 0 0 0 0 0 1  2 0 0 0 0 0 1"/>{}'
-              '<FixedProjectiveConstraint indices="0"/>{}')
+              '<FixedProjectiveConstraint indices="0"/><ConstantForceField indices="2" forces="0 0 0 30 0 0"/>{}')
     young = 'youngModulus="5000" poissonRatio="0.45"'
     explicit = [(grid, uniform, "<HexahedronFEMForceField/>", f'<HexahedronFEMForceField method="large" {young}/>'),
                 (tets, uniform, "<TetrahedronFEMForceField/>", f'<TetrahedronFEMForceField method="large" {young}/>'),
@@ -658,7 +676,7 @@ def what_a_silent_scene_means():
                 (points, uniform, "<RestShapeSpringsForceField/>", '<RestShapeSpringsForceField points="0 1 2" stiffness="100"/>'),
                 (points, uniform, "<PlaneForceField/>", '<PlaneForceField normal="0 1 0" d="0" stiffness="500" damping="5"/>'),
                 (points, uniform, "<SphereForceField/>", '<SphereForceField center="0 0 0" radius="1" stiffness="500" damping="5"/>'),
-                (frames, uniform, "<BeamFEMForceField/>", f'<BeamFEMForceField radius="0.1" radiusInner="0" {young}/>'),
+                (frames, uniform, "<BeamFEMForceField/>", '<BeamFEMForceField radius="0.1" radiusInner="0" youngModulus="5000" poissonRatio="0.49"/>'),
                 (sheet, uniform, "<TriangularFEMForceFieldOptim/>", None), (sheet, uniform, "<TriangularBendingSprings/>",
                                                                             '<TriangularBendingSprings stiffness="1e5" damping="1"/>')]
     for body, mass, silent, written in explicit:
@@ -680,6 +698,38 @@ def what_a_silent_scene_means():
                              'rayleighStiffness="0"/><CGLinearSolver iterations="25" tolerance="1e-5" threshold="1e-5"/>'),
                             ("<EulerExplicitSolver/>", '<EulerExplicitSolver symplectic="1"/>')):
         agree(Run(root(silent + chain), 8).x(), Run(root(written + chain), 8).x(), 0)
+
+
+@case
+def options_of_constraints_springs_and_regions():
+    X = np.array([[0, 0, 0], [1, 0, 0], [2, 0.1, 0]])
+    body = f'<MechanicalObject name="dofs" position="{numbers_of(X)}"/><UniformMass totalMass="3"/>'
+    fall = np.array([0, fallen(5), 0])
+
+    def ended(words, steps=5, scene=root):
+        return Run(scene(EXACT + body + words), steps).x()
+    moved = X.copy()
+    moved[[0, 2]] = 1.1, 2, 3
+    agree(ended('<LinearMovementProjectiveConstraint indices="0 2" keyTimes="0 1" movements="1 2 3  2 2 3" relativeMovements="0"/>', 11, node), moved)
+    agree(ended('<PartialFixedProjectiveConstraint fixAll="1" fixedDirections="1 0 1"/>'), X + fall)
+    agree(ended('<FixedTranslationProjectiveConstraint indices="1"/>'), X + np.outer([1, 0, 1], fall))
+    first = springs([(0, 1)], [[0, 0, 0], [0.8, 0, 0], [0, 0, 0]], 50, per_length=False)
+    two = '<SpringForceField springsIndices1="0 1" springsIndices2="1 2" lengths="0.8" stiffness="50" damping="0" {}/>'
+    agree(ended(two.format('enabled="1 0"'), 5, node), euler(X, np.eye(3), first, 5, 0.01))
+    for start in (1.0, 0.6):
+        pair = np.array([[0, 0, 0], [start, 0, 0]])
+        scene = node(EXACT + f'<MechanicalObject name="dofs" position="{numbers_of(pair)}"/><UniformMass totalMass="2"/><SpringForceField '
+                     'springsIndices1="0" springsIndices2="1" lengths="0.8" stiffness="50" damping="0" elongationOnly="1"/>')
+        acts = springs([(0, 1)], [[0, 0, 0], [0.8, 0, 0]], 50, per_length=False, acts=lambda stretch: stretch > 0)
+        agree(Run(scene, 15).x(), euler(pair, np.eye(2), acts, 15, 0.01))
+    held = '<{} name="b" {}/><FixedProjectiveConstraint indices="@b.{}"/>'
+    for region, out, nodes in (('BoxROI box="-0.1 -1 -1 0.1 1 1  1.9 -1 -1 2.1 1 1"', "indices", [0, 2]), ('BoxROI box="0.1 1 1 -0.1 -1 -1"', "indices", [0]),
+                               ('BoxROI orientedBox="-0.5 -1 0  0.5 -1 0  0.5 1 0  2"', "indices", [0]),
+                               ('SphereROI centers="0 0 0  2 0 0" radii="0.3 0.2"', "indicesOut", [1])):
+        kind, words = region.split(" ", 1)
+        agree(ended(held.format(kind, words, out)), X + np.outer([i not in nodes for i in range(3)], fall))
+    small = f'<MechanicalObject name="dofs" position="{numbers_of(X)}" restScale="0.5"/><UniformMass totalMass="3"/><RestShapeSpringsForceField stiffness="100"/>'
+    agree(Run(node(EXACT + small), 5).x(), euler(X, np.eye(3), of_rest(range(3), X * 0.5, 100.0), 5, 0.01))
 
 
 main()

@@ -31,6 +31,7 @@ struct ElasticBlock {
  private:
   using ElementMatrix = Eigen::Matrix<double, 24, 24>;
   ElementMatrix element(bool mass) const;
+  void addVolume(const std::array<Index, 8>& corners, const Vec3& centre, VolumeTerms& terms) const;
   void hold(BlockMatrix& matrix, Index row, const Mat3& projector) const;
 };
 
@@ -92,6 +93,20 @@ inline void ElasticBlock::hold(BlockMatrix& matrix, Index row, const Mat3& proje
   matrix.add(row, row, Mat3::Identity() - projector);
 }
 
+/// The gradient of a cell's volume: a quarter of a face's area at each corner, and nothing in directions that are held.
+inline void ElasticBlock::addVolume(const std::array<Index, 8>& corners, const Vec3& centre, VolumeTerms& terms) const {
+  const double mu = young / (2 * (1 + poisson)), bulk = young / (3 * (1 - 2 * poisson)), area = size * size / 4;
+  const double factor = (stiffer ? stiffer(centre) : 1) / (size * size * size);
+  for (int c = 0; c < 8; ++c) {
+    Vec3 gradient(c & 1 ? area : -area, c & 2 ? area : -area, c & 4 ? area : -area);
+    const bool on_floor = corners[std::size_t(c)] < nodes(0) * nodes(1), on_wall = corners[std::size_t(c)] % nodes(0) == 0;
+    if (slide_wall && on_wall) gradient.x() = 0;
+    if ((hold_floor && on_floor) || (hold_wall && on_wall)) gradient.setZero();
+    terms.rows.push_back(corners[std::size_t(c)]), terms.gradients.push_back(gradient);
+  }
+  terms.finish(factor * bulk, factor * mu);
+}
+
 inline StoredMatrix ElasticBlock::matrix() const {
   BlockPattern pattern(count());
   const auto forEachCell = [this](auto&& visit) {
@@ -128,7 +143,9 @@ inline StoredMatrix ElasticBlock::matrix() const {
   if (slide_wall)
     for (Index k = hold_floor ? 1 : 0; k < nodes(2); ++k)
       for (Index j = 0; j < nodes(1); ++j) hold(matrix, node(0, j, k), Vec3(0, 1, 1).asDiagonal());
-  return StoredMatrix(std::move(matrix));
+  StoredMatrix stored(std::move(matrix));
+  if (mean) forEachCell([&](const std::array<Index, 8>& corners, const Vec3& centre) { addVolume(corners, centre, stored.volumes); });
+  return stored;
 }
 
 }  // namespace stroma::test

@@ -8,10 +8,11 @@
 #include <random>
 
 #include "framework/algebra/linear_solver.h"
+#include "framework/algebra/volume_terms.h"
 
 namespace stroma::test {
 
-class StoredMatrix final : public SystemMatrix {
+class StoredMatrix final : public SystemMatrix, public HasVolumeTerms {
  public:
   explicit StoredMatrix(BlockMatrix matrix) : values(std::move(matrix)) {}
   BlockMatrix values;
@@ -43,6 +44,8 @@ class StoredMatrix final : public SystemMatrix {
   bool prefersAssembled(int count) const override { return prefers_assembled || count >= assembled_from; }
   double productCost() const override { return product_nanoseconds; }
   double assemblyCost() const override { return assembly_nanoseconds; }
+  VolumeTerms volumes;  ///< that it has, or none
+  VolumeTerms volumeTerms() const override { return volumes; }
   std::vector<Vec3> nodes;  ///< where the rows are, or empty
   ConstRows positions() const override {
     if (nodes.empty()) return {};

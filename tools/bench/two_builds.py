@@ -101,6 +101,7 @@ ROWS = (
     Scene("statics_large", "the same, 1,572,160", "7 s", "statics.xml", SMALL + block(68), rounds=1),
     Scene("svd", "statics, 344,605 tetrahedra, `svd`", "4 s", "statics.xml", block(41), rounds=2),
     Scene("svd_large", "the same, 1,572,160", "18 s", "statics.xml", block(68), rounds=1),
+    Scene("svd_small", "statics, 135,000 tetrahedra, `svd`", "", "statics.xml", rounds=1),
     Scene("svd_direct", "135,000, `svd`, `SparseLDLSolver` named", "", "statics.xml", (), ('<StaticSolver name="solver"/>', LDL), rounds=1),
     Scene("beam", "beam 20:1 of 409,600, linear", "twice the cube's", "statics.xml", SMALL + BEAM, rounds=1),
     Scene("hexahedra", "a step of 262,144 hexahedra to 1e-3", "0.33 s", "hexahedra.xml", ("/cube/grid.n=65 65 65",),

@@ -19,7 +19,8 @@ const Manual doc_manual{
     "links. Of "
     "a topic, as in\n`stroma doc boundary conditions`, it says what there is and what there is not yet. For a "
     "component of "
-    "SOFA that Stroma does\nnot have it says what to do instead.",
+    "SOFA that Stroma does\nnot have it says what to do instead, and of a way of SOFA's that scenes in its dialect have, as in\n"
+    "`stroma doc cg-threshold`, what it is and which attributes stand for it.",
     "  stroma doc TetrahedronFEMForceField\n  stroma doc CGLinearSolver | less\n  stroma doc scene\n"
     "  stroma doc incompressible\n  stroma doc GenericConstraintSolver\n"};
 

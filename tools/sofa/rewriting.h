@@ -96,6 +96,7 @@ class Rewriting {
   void setQuirk(Element& element, std::string_view quirk, const std::string& attribute, const std::string& value);
   void meanSelection(Element& element);
   void meanField(Element& element);
+  void meanSpringsOfMesh(Element& springs);
   void meanPrisms(Element& element);
   // ---- rewritten_fields.cpp ----
   void meanOfNames(Element& element);
@@ -204,6 +205,7 @@ class Rewriting {
 
   // ---- rewritten_times.cpp ----
   double timeStep() const;
+  void meanPulse(Element& pressure);
   void takeExternalForces();
   void matchShapes();  // rewritten_planes.cpp
   void meanTimes(Element& element);

@@ -140,6 +140,19 @@ static void takeMaterial(Element& field) {
   if (Element* material = field.place->nearest("hyperelastic material")) field.set("material", SceneTree::linkTo(*material));
 }
 
+/// Constants over lengths, which in a grid are its own; lines are the edges that a mesh lists.
+void Rewriting::meanSpringsOfMesh(Element& springs) {
+  setQuirk(springs, "spring-length", "perLength", "true"), setDefault(springs, "allowEmpty", "true");
+  if (springs.is("RegularGridSpringForceField")) return setQuirk(springs, "spring-length", "gridLengths", "true");
+  const Element* mesh = meshOf(springs);
+  if (mesh && (mesh->writes("edges") || mesh->writes("lines"))) setDefault(springs, "listedLines", "true");
+  const auto& written = springs.written->attributes;
+  springs.dropped = std::none_of(written.begin(), written.end(), [](const AttributeDescription& each) {
+    return each.name.ends_with("tiffness") || each.name.ends_with("amping");
+  });
+  if (springs.dropped) warn(springs.written->where, springs, {}, "has no stiffness: it does nothing");
+}
+
 void Rewriting::meanField(Element& element) {
   const std::string& type = element.written->type;
   meanSprings(element), meanLoads(element), meanPrisms(element);
@@ -167,19 +180,11 @@ void Rewriting::meanField(Element& element) {
     if (Element* mesh = meshOf(element); mesh && mesh->written->type.starts_with("SparseGrid"))
       setDefault(element, "localStiffnessFactor", SceneTree::linkTo(*mesh) + ".cellFactors");
   if (isAnyOf(type, {"TriangularBendingSprings", "QuadBendingSprings"})) setDefault(element, "allowEmpty", "true");
-  if (isAnyOf(type, {"MeshSpringForceField", "RegularGridSpringForceField"}))
-    setQuirk(element, "spring-length", "perLength", "true"), setDefault(element, "allowEmpty", "true");
+  if (isAnyOf(type, {"MeshSpringForceField", "RegularGridSpringForceField"})) meanSpringsOfMesh(element);
   // without another body they count in the same rest shape
   if (type == "RestShapeSpringsForceField") meanRestShape(element);
-  if (type == "SurfacePressureForceField" && !saysYes(element.text("pulseMode")))
-    for (const char* pulse : {"pressureLowerBound", "pressureSpeed"}) element.remove(pulse);
-  if (type == "MeshSpringForceField") {
-    const auto& written = element.written->attributes;
-    element.dropped = std::none_of(written.begin(), written.end(), [](const AttributeDescription& each) {
-      return each.name.ends_with("tiffness") || each.name.ends_with("amping");
-    });
-    if (element.dropped) return warn(element.written->where, element, {}, "has no stiffness: it does nothing");
-  }
+  if (type == "SurfacePressureForceField") meanPulse(element);
+  if (element.dropped) return;
   if (element.probe->data().find("explicitDamping") && !element.find("explicitDamping") &&
       quirks_.use("explicit-damping", element.path()))
     element.set("explicitDamping", "true");

@@ -170,6 +170,7 @@ void Rewriting::meanConstantForce(Element& load) {
   const std::size_t numbers = writtenNumbers(load.text("forces")).size(), nodes = writtenNumbers(load.text("indices")).size();
   if (load.writes("forces") && load.writes("indices") && nodes > 1 && numbers > 0 && numbers < nodes)
     warn(load.find("forces")->where, load, "forces", "has fewer numbers than there are nodes: SOFA has no defined load there");
+  if (load.find("forces")) setDefault(load, "lastForOthers", "true");
   std::string counts;
   for (const char* name : {"forces", "force", "totalForce"}) {
     if (!load.find(name)) continue;

@@ -122,6 +122,10 @@ void Rewriting::warnOfIgnored(const Element& element) {
        "keeps a preconditioner for as many steps in SOFA: here it is that of the step, and solves end elsewhere within their tolerance"},
       {"PCGLinearSolver", "update_step", "1",
        "keeps a preconditioner for as many steps in SOFA: here it is that of the step, and solves end elsewhere within their tolerance"},
+      {"UncoupledConstraintCorrection", "correctionVelocityFactor", "1",
+       "scales how forces of constraint change velocities in SOFA: here they change by the rule of the integrator"},
+      {"UncoupledConstraintCorrection", "correctionPositionFactor", "1",
+       "scales how forces of constraint move nodes in SOFA: here they move by the rule of the integrator"},
       {"LineCollisionModel", "LineActiverPath", "", "leaves some lines out of contacts in SOFA: here all take part"},
       {"PointCollisionModel", "PointActiverPath", "", "leaves some points out of contacts in SOFA: here all take part"},
   };
@@ -134,8 +138,9 @@ void Rewriting::warnOfIgnored(const Element& element) {
     if (!given || given->typed) continue;
     const std::string_view value = trimmed(given->value);
     const bool is_number = !each.usual.empty() && each.usual[0] != 'N';
-    const bool is_usual = value == each.usual || value.empty() || (is_number && each.usual == "1" && saysYes(value)) ||
-                          (is_number && each.usual == "0" && (saysNo(value) || std::atof(std::string(value).c_str()) == 0));
+    const double number = std::atof(std::string(value).c_str());
+    const bool is_usual = value == each.usual || value.empty() || (is_number && each.usual == "1" && (saysYes(value) || number == 1)) ||
+                          (is_number && each.usual == "0" && (saysNo(value) || number == 0));
     if (!is_usual || (each.usual == "0" && saysYes(value)))
       warn(given->where, element, std::string(each.attribute), std::string(each.effect));
   }

@@ -48,7 +48,7 @@ void Rewriting::meanMass(Element& element) {
     warn(element.written->where, element, "separateGravity",
          "is not followed: SOFA adds gravity to velocities after positions have moved, and this is a force in the step");
   meanLists(element);
-  setDefault(element, "cells", "first");
+  setDefault(element, "cells", "first"), setDefault(element, "absoluteVolumes", "true");
   const bool couples =
       (type == "MeshMatrixMass" && !saysYes(element.text("lumping"))) || type == "FEMMass" || element.place->has("mapping");
   if (couples && movesNodes()) setQuirk(element, "moved-inertia", "movedAlone", "true");

@@ -97,6 +97,21 @@ void nameCoefficients(Element& damping, bool of_frames) {
   damping.remove(vector);
 }
 
+/// SOFA's pulse goes on in each evaluation of the force, one in a step, by as much as the pressure changes in a step.
+void Rewriting::meanPulse(Element& pressure) {
+  if (!saysYes(pressure.text("pulseMode"))) {
+    for (const char* of_pulse : {"pressureLowerBound", "pressureSpeed"}) pressure.remove(of_pulse);
+    return;
+  }
+  if (!(std::atof(pressure.text("pressureSpeed").c_str()) > 0)) {
+    pressure.dropped = true;
+    return warn(pressure.written->where, pressure, "pressureSpeed", "is not above zero: SOFA's pulse stays at zero");
+  }
+  const Element* integrator = pressure.place->nearest("integrator");
+  const bool at_start = integrator && isAnyOf(integrator->written->type, {"EulerExplicitSolver", "CentralDifferenceSolver"});
+  setDefault(pressure, "pulseSteps", at_start ? "start" : "end");
+}
+
 /// The step of the scene: those of nodes below do not count.
 double Rewriting::timeStep() const {
   const AttributeDescription* dt = scene_.root.find("dt");
