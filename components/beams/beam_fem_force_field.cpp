@@ -76,8 +76,6 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
 
   void init() override {
     ForceField::init();
-    if (!(inner_ < radius_))
-      throw ComponentError(fmt::format("radiusInner is {:g} and radius {:g}", inner_, radius_), "radiusInner < radius");
     const std::vector<Edge>& edges = topology_.meshWith(cell_kinds::edge, *this, state()).edges;
     std::vector<int> chosen = segments_;
     if (chosen.empty())
@@ -98,20 +96,15 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
       lengths_.push_back(along.norm());
     }
     setPairs(std::move(pairs));
-    const double squares = radius_ * radius_ + inner_ * inner_;
-    const double area = std::numbers::pi * (radius_ * radius_ - inner_ * inner_), second_moment = area * squares / 4;
-    axial_ = young_ * area;
-    bending_ = young_ * second_moment;
-    twisting_ = bending_ / (1 + poisson_);
-    beams_.clear();
-    if (axes_ == Axes::firstEnd)
-      for (const Pair& pair : this->pairs())
-        beams_.emplace_back(axial_, bending_, twisting_, rest[std::size_t(pair.a)], turnedBy(rest[std::size_t(pair.a + 1)]),
-                            rest[std::size_t(pair.b)], turnedBy(rest[std::size_t(pair.b + 1)]));
+    batch_lengths_.clear();
+    takeSection();
   }
+  // The pairs stay.
+  void recompile() override { takeSection(); }
 
   void compile() override {
     FramePairField::compile();
+    if (batch_lengths_.size() == batches()) return;
     batch_lengths_ = lanesOf<1>(lengths_.size(), [this](std::size_t i, std::size_t) { return lengths_[i]; });
   }
 
@@ -163,6 +156,22 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
  private:
   friend FramePairFieldOf;
   enum class Axes : int { beam, firstEnd };
+  /// Numbers of the section, and what follows from them.
+  void takeSection() {
+    if (!(inner_ < radius_))
+      throw ComponentError(fmt::format("radiusInner is {:g} and radius {:g}", inner_, radius_), "radiusInner < radius");
+    const double squares = radius_ * radius_ + inner_ * inner_;
+    const double area = std::numbers::pi * (radius_ * radius_ - inner_ * inner_), second_moment = area * squares / 4;
+    axial_ = young_ * area;
+    bending_ = young_ * second_moment;
+    twisting_ = bending_ / (1 + poisson_);
+    if (axes_ == Axes::beam) return;
+    const std::vector<Vec3>& rest = state().rest_position;
+    beams_.clear();
+    for (const Pair& pair : pairs())
+      beams_.emplace_back(axial_, bending_, twisting_, rest[std::size_t(pair.a)], turnedBy(rest[std::size_t(pair.a + 1)]),
+                          rest[std::size_t(pair.b)], turnedBy(rest[std::size_t(pair.b + 1)]));
+  }
   void computeTangents() const override {
     if (axes_ == Axes::beam) return FramePairFieldOf::computeTangents();
     for (std::size_t i = 0; i < beams_.size(); ++i) beams_[i].setTangent(turns_[i], stiffness_[i]);

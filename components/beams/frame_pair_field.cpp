@@ -13,6 +13,7 @@ void FramePairField::setPairs(std::vector<Pair> pairs, State* second) {
     if (!each->hasFrames())
       throw ComponentError(fmt::format("{} has no frames", each->path()), "a state of template Rigid3");
   pairs_ = std::move(pairs);
+  are_laid_out_ = false;
   damped_ = false;
   for (const Pair& pair : pairs_) damped_ = damped_ || pair.damping > 0;
 }
@@ -29,6 +30,9 @@ ForceTraits FramePairField::traits() const {
 }
 
 void FramePairField::compile() {
+  const std::array<Index, 2> first{state().firstRow(), second().firstRow()};
+  if (are_laid_out_ && first == first_rows_) return;
+  first_rows_ = first, are_laid_out_ = true;
   std::vector<Group> rows;
   for (const Pair& pair : pairs_) {
     const Index a = state().firstRow() + pair.a, b = second().firstRow() + pair.b;

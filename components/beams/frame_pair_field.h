@@ -90,6 +90,8 @@ class FramePairField : public NodeGroupField<4>, public DrawnSegments {
   std::vector<Pair> pairs_;
   State* second_ = nullptr;
   bool damped_ = false;
+  bool are_laid_out_ = false;            ///< compile() has read pairs_
+  std::array<Index, 2> first_rows_{};    ///< of both states then
   std::vector<Fixed> fixed_;
   std::vector<Kept> kept_;  ///< of the last addForce()
 };

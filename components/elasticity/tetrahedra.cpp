@@ -141,8 +141,7 @@ class Tetrahedra final : public ElasticElements {
             toEigen(r) * frame.transpose()};
   }
   std::unique_ptr<ElementKernels> makeMethod(const Elements& elements) const {
-    if (variant_.method == ElasticMethod::nodal)
-      return std::make_unique<NodalWarping>(oneByOne<StorageOf<NodalModel>>(elements));
+    if (variant_.method == ElasticMethod::nodal) return oneByOne<NodalWarping, StorageOf<NodalModel>>(elements);
     const bool svd = variant_.method == ElasticMethod::svd;
     if (polar_of_ == PolarOf::edges)
       return svd ? polarKernels<RestEdgePolar<NearestOfEdges>>(elements) : polarKernels<RestEdgePolar<OfEdges>>(elements);
@@ -158,17 +157,16 @@ class Tetrahedra final : public ElasticElements {
   }
   template <class Model>
   static std::unique_ptr<ElementKernels> polarKernels(const Elements& elements) {
-    using Storage = StorageOf<Model>;
-    const auto fill = [&shapes = elements.shapes, lame = elements.lame](Storage& stored) { fillOneByOne(stored, shapes, lame); };
-    return std::make_unique<ModelKernels<Model>>(oneByOne<Storage>(elements), fill);
+    return oneByOne<ModelKernels<Model>, StorageOf<Model>>(elements);
   }
   /// Not in fans, which change the order of the nodes of a cell.
-  template <class Storage>
-  static Storage oneByOne(const Elements& elements) {
+  template <class Kernels, class Storage>
+  static std::unique_ptr<ElementKernels> oneByOne(const Elements& elements) {
+    const auto fill = [&shapes = elements.shapes, lame = elements.lame](Storage& stored) { fillOneByOne(stored, shapes, lame); };
     Storage storage;
     storage.arrange(elements.shapes.mesh().tetrahedra, elements.shapes.positions(), elements.first_row);
-    fillOneByOne(storage, elements.shapes, elements.lame);
-    return storage;
+    fill(storage);
+    return std::make_unique<Kernels>(std::move(storage), fill);
   }
   template <class Storage>
   static void fillOneByOne(Storage& storage, const TetrahedronShapes& shapes, const LameOf& lame) {

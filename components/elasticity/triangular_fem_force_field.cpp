@@ -130,17 +130,20 @@ class TriangularFEMForceField final : public ElementKernelsField {
   Method method_word_ = Method::large;
   TangentWord tangent_ = TangentWord::warped;
   const std::vector<Triangle>* triangles_ = nullptr;
+  Index first_row_ = -1;  ///< that method_ was made for
 };
 
 void TriangularFEMForceField::declare(DataTable& table) {
   ForceField::declare(table);
   topology_.declare(table, "mesh of triangles");
   table.add("youngModulus", young_modulus_)
+      .recompiled()
       .help("Young's modulus: one value, or one per triangle")
       .unit("Pa")
       .min(0, false)
       .physical();
   table.add("poissonRatio", poisson_ratio_)
+      .recompiled()
       .help("Poisson's ratio: one value, or one per triangle")
       .unit("-")
       .min(-1, false)
@@ -148,7 +151,7 @@ void TriangularFEMForceField::declare(DataTable& table) {
       .physical();
   table.add("firstForOthers", first_for_others_)
       .help("triangles beyond the end of a list of youngModulus or poissonRatio take its first value, as in SOFA");
-  table.add("thickness", thickness_).help("thickness of the membrane").unit("m").min(0, false).physical();
+  table.add("thickness", thickness_).recompiled().help("thickness of the membrane").unit("m").min(0, false).physical();
   if (has_fibres)
     declareFibres(table);
   else
@@ -168,6 +171,7 @@ void TriangularFEMForceField::declare(DataTable& table) {
 
 void TriangularFEMForceField::declareFibres(DataTable& table) {
   table.add("transverseYoungModulus", transverse_modulus_)
+      .recompiled()
       .help("Young's modulus across the fibres: one value, or one per triangle")
       .unit("Pa")
       .min(0, false)
@@ -283,30 +287,36 @@ membrane::Fibred<double> TriangularFEMForceField::lawOf(std::size_t triangle, do
 }
 
 void TriangularFEMForceField::compile() {
+  if (method_ && first_row_ == state().firstRow() && method_->refill()) return;
+  first_row_ = state().firstRow();
   method_ = has_fibres ? makeMethod<membrane::Fibred>() : makeMethod<membrane::Isotropic>();
 }
 
 template <template <class> class Law>
 std::unique_ptr<ElementKernels> TriangularFEMForceField::makeMethod() const {
+  using Storage = membrane::Storage<Law>;
   using Tangent = membrane::TangentOf<double, Law<double>>;
-  membrane::Storage<Law> storage;
-  storage.build(*triangles_, state().rest_position, state().firstRow(),
-                [&](std::size_t i, bool padding, membrane::Rest<double>& rest, Tangent& tangent) {
-                  const Triangle& t = (*triangles_)[i];
-                  const Vec3 e1 = restPosition(t[1]) - restPosition(t[0]), e2 = restPosition(t[2]) - restPosition(t[0]);
-                  const Vec3 axis0 = e1.normalized(), normal = e1.cross(e2), axis1 = normal.normalized().cross(axis0);
-                  const double x1 = e1.norm(), x2 = e2.dot(axis0), y2 = e2.dot(axis1);
-                  rest.inverse[0] = 1 / x1;
-                  rest.inverse[1] = -x2 / (x1 * y2);
-                  rest.inverse[2] = 1 / y2;
-                  tangent.axis0 = {axis0.x(), axis0.y(), axis0.z()};
-                  tangent.axis1 = {axis1.x(), axis1.y(), axis1.z()};
-                  for (int k = 0; k < 3; ++k) tangent.inverse[k] = rest.inverse[k];
-                  const double volume = padding ? 0 : normal.norm() / 2 * thickness_;  // a padding lane resists nothing
-                  tangent.law = lawOf(i, volume, Law<double>{});
-                });
+  const auto fill = [this](Storage& stored) {
+    stored.fill([this](std::size_t i, bool padding, membrane::Rest<double>& rest, Tangent& tangent) {
+      const Triangle& t = (*triangles_)[i];
+      const Vec3 e1 = restPosition(t[1]) - restPosition(t[0]), e2 = restPosition(t[2]) - restPosition(t[0]);
+      const Vec3 axis0 = e1.normalized(), normal = e1.cross(e2), axis1 = normal.normalized().cross(axis0);
+      const double x1 = e1.norm(), x2 = e2.dot(axis0), y2 = e2.dot(axis1);
+      rest.inverse[0] = 1 / x1;
+      rest.inverse[1] = -x2 / (x1 * y2);
+      rest.inverse[2] = 1 / y2;
+      tangent.axis0 = {axis0.x(), axis0.y(), axis0.z()};
+      tangent.axis1 = {axis1.x(), axis1.y(), axis1.z()};
+      for (int k = 0; k < 3; ++k) tangent.inverse[k] = rest.inverse[k];
+      const double volume = padding ? 0 : normal.norm() / 2 * thickness_;  // a padding lane resists nothing
+      tangent.law = lawOf(i, volume, Law<double>{});
+    });
+  };
+  Storage storage;
+  storage.arrange(*triangles_, state().rest_position, state().firstRow());
+  fill(storage);
   const auto made = [&]<class Chosen>(std::type_identity<Chosen>) -> std::unique_ptr<ElementKernels> {
-    return std::make_unique<ModelKernels<Chosen>>(std::move(storage));
+    return std::make_unique<ModelKernels<Chosen>>(std::move(storage), fill);
   };
   if (method_word_ == Method::small) return made(std::type_identity<membrane::Linear<Law>>());
   if (strain == StrainWord::rest) return made(std::type_identity<membrane::Displaced<Law, false>>());

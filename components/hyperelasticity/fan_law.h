@@ -34,7 +34,7 @@ class FanLaw final : public ElementKernels {
   using Corners = typename Model::template Corners<Pack>;
 
  public:
-  FanLaw(const PointFunctions& law, const Cells& cells) : law_(law) {
+  FanLaw(const PointFunctions& law, const Cells& cells) : law_(law), cells_(cells) {
     using namespace tetrahedron;
     const std::vector<tetrahedron::Fan> fans = gatherFans(cells.mesh->tetrahedra, cells.rest->size());
     const auto nodes = nodesOf(fans);
@@ -48,7 +48,12 @@ class FanLaw final : public ElementKernels {
         setTetrahedron<Frame>(cells, cell, order, law.anisotropic, padding || e < 0, rest.of[i].g, rest.of[i].weight);
       }
     });
-    takeParameters(fans, cells);
+    in_lanes_ = cellsInLanes(storage_.loop, fans);
+    takeParameters();
+  }
+  bool refill() override {
+    takeParameters();
+    return true;
   }
 
   void addForce(ConstRows x, Rows f) override {
@@ -90,22 +95,22 @@ class FanLaw final : public ElementKernels {
   const Pack* parameters(Index b, int i) const {
     return parameters_.data() + (std::size_t(b) * tetrahedron::fan_size + std::size_t(i)) * law_.parameters;
   }
-  void takeParameters(const std::vector<tetrahedron::Fan>& fans, const Cells& cells) {
+  void takeParameters() {
     std::vector<double> values(law_.parameters);
     parameters_.resize(std::size_t(storage_.loop.batches()) * tetrahedron::fan_size * law_.parameters);
+    auto cell = in_lanes_.begin();
     for (Index b = 0; b < storage_.loop.batches(); ++b)
       for (int l = 0; l < pack_lanes; ++l)
         for (int i = 0; i < tetrahedron::fan_size; ++i) {
-          const Index f = storage_.loop.elementOf(b, l);
-          const tetrahedron::Fan& fan = fans[f >= 0 ? f : storage_.loop.elementOf(b, 0)];
-          law_.read(cells.parameters(std::size_t(fan.element[i] >= 0 ? fan.element[i] : fan.element[0])),
-                    values.data());
+          law_.read(cells_.parameters(std::size_t(*cell++)), values.data());
           Pack* const packs = parameters_.data() + (parameters(b, i) - parameters_.data());
           for (std::size_t k = 0; k < values.size(); ++k) setLane(packs[k], l, values[k]);
         }
   }
 
   const PointFunctions& law_;
+  const Cells cells_;
+  std::vector<Index> in_lanes_;  ///< cellsInLanes()
   StorageOf<Model> storage_;
   Array<Pack> parameters_;  ///< shape (batches, tetrahedra of a fan, parameters of the law)
   Vector x_;                ///< of the last force

@@ -137,6 +137,7 @@ void HyperelasticForceField::checkMeanDilatation() const {
   if (series_.terms() > 0 && series_.part == PronyPart::all)
     throw ComponentError("viscosity relaxes the stress of a point, and the mean dilatation has one for all points",
                          expected, "viscousPart=\"deviatoric\", which leaves the volume elastic");
+  if (made_.mean_dilatation) return;  // the shapes have been looked at
   const std::vector<Gradients> local = localGradients(*kind);
   for (std::size_t cell = 0; cell < cellCount(); ++cell) {
     const std::vector<Vec3> corner = restCorners(cell);

@@ -162,6 +162,14 @@ void HyperelasticForceField::init() {
                          "discretization=\"mjed\" with matrixRegularization or projectedTangent");
 }
 
+// Parameters may change while a scene runs: the mesh, its shapes and the axes stay.
+void HyperelasticForceField::recompile() {
+  chooseLaw();
+  readParameters();
+  chooseDilatation();
+  checkViscousPart();
+}
+
 /// What SOFA's MJEDTetrahedralForceField has and this component has not.
 void HyperelasticForceField::refusePlugin() const {
   if (consider_inversion_)
@@ -228,9 +236,17 @@ hyperelastic::Cells HyperelasticForceField::cells() const {
 }
 
 void HyperelasticForceField::compile() {
+  if (definite_) std::swap(method_, other_method_);
   definite_ = false;
   other_method_.reset();
   if (volumeIsApart()) local_values_ = withoutVolume();
+  const Made now{state().firstRow(), mean_dilatation_, law_.parameters.size()};
+  const bool is_alike = method_ && now == made_;
+  made_ = now;
+  if (is_alike && method_->refill()) {
+    if (viscous_) reset();
+    return;
+  }
   if (series_.terms() == 0) {
     method_ = makeElastic();
     return;

@@ -25,6 +25,7 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
 
   void declare(DataTable& table) override;
   void init() override;
+  void recompile() override;
   ForceTraits traits() const override;
   void compile() override;
   std::string choice() const override;
@@ -131,6 +132,13 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
   Dilatation dilatation_ = Dilatation::automatic;
   bool mean_dilatation_ = false;  ///< dilatation_, or what was chosen for it
   bool definite_ = false;         ///< useDefiniteTangent()
+  /// What method_ was made for beside numbers.
+  struct Made {
+    Index first_row;
+    bool mean_dilatation;
+    std::size_t parameters;  ///< of the law
+    bool operator==(const Made&) const = default;
+  } made_{};
   std::string stiff_in_volume_;
   std::unique_ptr<ElementKernels> other_method_;  ///< the method with the other tangent, once it was asked for
   std::string parameter_file_;

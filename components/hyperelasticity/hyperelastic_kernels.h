@@ -15,8 +15,8 @@ namespace stroma::hyperelastic {
 /// The kernels of the forms mjed and regularised, whose products are the law's own.
 template <class Law>
 std::unique_ptr<ElementKernels> tetrahedraOf(const Cells& cells) {
-  if (cells.form == Form::regularised) return std::make_unique<ModelKernels<RegularisedFan<Law>>>(fansOf<Law>(cells));
-  return std::make_unique<ModelKernels<Fan<Mjed<Law>>>>(fansOf<Law>(cells));
+  if (cells.form == Form::regularised) return fansOf<Law, RegularisedFan<Law>>(cells);
+  return fansOf<Law, Fan<Mjed<Law>>>(cells);
 }
 
 /// A law that has Lame's constants alone; inLameConstants() describes them.

@@ -130,12 +130,27 @@ struct RegularisedFan : Fan<Regularised<Law>> {
   using Forces = Fan<Mjed<Law>>;
 };
 
-template <class Law>
-StorageOf<Fan<Mjed<Law>>> fansOf(const Cells& cells) {
+/// The cell of each tetrahedron, shape (batches, lanes, fan_size). Padding, and the second place of a single cell, repeat another.
+inline std::vector<Index> cellsInLanes(const FanLoop& loop, const std::vector<tetrahedron::Fan>& fans) {
+  std::vector<Index> cells;
+  cells.reserve(std::size_t(loop.batches()) * pack_lanes * tetrahedron::fan_size);
+  for (Index b = 0; b < loop.batches(); ++b)
+    for (int l = 0; l < pack_lanes; ++l) {
+      const Index f = loop.elementOf(b, l);
+      const tetrahedron::Fan& fan = fans[std::size_t(f >= 0 ? f : loop.elementOf(b, 0))];
+      for (const Index e : fan.element) cells.push_back(e >= 0 ? e : fan.element[0]);
+    }
+  return cells;
+}
+
+/// Fans of a law with the kernels of Model, whose data are those of Fan<Mjed<Law>>.
+template <class Law, class Model>
+std::unique_ptr<ElementKernels> fansOf(const Cells& cells) {
   using namespace tetrahedron;
+  using Storage = StorageOf<hyperelastic::Fan<Mjed<Law>>>;
   const std::vector<tetrahedron::Fan> fans = gatherFans(cells.mesh->tetrahedra, cells.rest->size());
   const auto nodes = nodesOf(fans);
-  StorageOf<hyperelastic::Fan<Mjed<Law>>> storage;
+  Storage storage;
   storage.build(nodes, *cells.rest, cells.first_row, [&](std::size_t f, bool padding, auto& rest, auto&) {
     for (int i = 0; i < fan_size; ++i) {
       const Index e = fans[f].element[i];
@@ -145,6 +160,12 @@ StorageOf<Fan<Mjed<Law>>> fansOf(const Cells& cells) {
                                                 padding || e < 0, rest.of[i]);
     }
   });
-  return storage;
+  auto refill = [cells, in_lanes = cellsInLanes(storage.loop, fans)](Storage& stored) {
+    auto cell = in_lanes.begin();
+    for (auto& batch : stored.rest)
+      for (int l = 0; l < pack_lanes; ++l)
+        for (auto& of : batch.of) setLane(of.parameters, l, parametersOf<Law>(cells.parameters(std::size_t(*cell++))));
+  };
+  return std::make_unique<ModelKernels<Model>>(std::move(storage), std::move(refill));
 }
 }  // namespace stroma::hyperelastic

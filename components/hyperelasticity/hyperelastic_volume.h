@@ -35,6 +35,10 @@ class SumOfKernels final : public ElementKernels {
   void addProduct(ConstRows dx, double factor, Rows df) const override {
     a_->addProduct(dx, factor, df), b_->addProduct(dx, factor, df);
   }
+  bool refill() override {
+    const bool a = a_->refill(), b = b_->refill();
+    return a && b;
+  }
   void addPattern(BlockPattern& pattern) const override { a_->addPattern(pattern); }
   std::vector<Index> slots(const BlockMatrix& matrix) const override { return a_->slots(matrix); }
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override {

@@ -66,7 +66,7 @@ class HyperelasticityFEMForceField final : public HyperelasticForceField {
   void makeAnew() {
     Archive memory;
     serialize(memory);
-    init(), compile();
+    recompile(), compile();
     memory = memory.readable();
     serialize(memory);
   }

@@ -87,18 +87,23 @@ struct MeanVolume : VolumeProducts<Cell> {
 
 template <class Cell>
 std::unique_ptr<ElementKernels> meanVolumeOf(const Cells& cells, const HyperelasticLaw& law, bool definite) {
-  const auto& list = Cell::listOf(*cells.mesh);
-  StorageOf<VolumeProducts<Cell>> storage;
-  storage.build(list, *cells.rest, cells.first_row, [&](std::size_t cell, bool padding, auto& rest, auto&) {
-    V3<double> x[Cell::nodes];
-    for (std::size_t a = 0; a < std::size(x); ++a) x[a] = vectorOf((*cells.rest)[list[cell][a]]);
-    const double volume = CellVolume<Cell, double>(x).value();
-    rest.per_volume = 1 / volume;
-    const double k = cells.parameters(cell)[law.volume_parameter];
-    rest.weight = padding ? 0 : -k * std::abs(volume) / (Cell::scale * cells.mesh->overlap);
-  });
+  using Storage = StorageOf<VolumeProducts<Cell>>;
+  const auto fill = [cells, parameter = law.volume_parameter](Storage& stored) {
+    const auto& list = Cell::listOf(*cells.mesh);
+    stored.fill([&](std::size_t cell, bool padding, auto& rest, auto&) {
+      V3<double> x[Cell::nodes];
+      for (std::size_t a = 0; a < Cell::nodes; ++a) x[a] = vectorOf((*cells.rest)[list[cell][a]]);
+      const double volume = CellVolume<Cell, double>(x).value();
+      rest.per_volume = 1 / volume;
+      const double k = cells.parameters(cell)[parameter];
+      rest.weight = padding ? 0 : -k * std::abs(volume) / (Cell::scale * cells.mesh->overlap);
+    });
+  };
+  Storage storage;
+  storage.arrange(Cell::listOf(*cells.mesh), *cells.rest, cells.first_row);
+  fill(storage);
   const auto methodOf = [&]<class U, bool stable>(U, std::bool_constant<stable>) -> std::unique_ptr<ElementKernels> {
-    return std::make_unique<ModelKernels<MeanVolume<U, Cell, stable>>>(std::move(storage));
+    return std::make_unique<ModelKernels<MeanVolume<U, Cell, stable>>>(std::move(storage), fill);
   };
   const auto ofVolume = [&](auto stable) {
     if (law.volume == VolumePart::half_square) return methodOf(HalfSquare(), stable);

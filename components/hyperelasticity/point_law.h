@@ -16,22 +16,19 @@ namespace stroma::hyperelastic {
 template <class Cell>
 class PointLaw final : public ElementKernels {
  public:
-  PointLaw(const PointFunctions& law, const Cells& cells) : law_(law) {
+  PointLaw(const PointFunctions& law, const Cells& cells) : law_(law), cells_(cells) {
     loop_.build(Cell::listOf(*cells.mesh), *cells.rest, cells.first_row);
     const std::size_t batches = std::size_t(loop_.batches());
     rest_.resize(batches);
     parameters_.resize(batches * law_.parameters);
     tangent_.assign(batches * Cell::points * law_.tangent, Pack(0.));
-    std::vector<double> values(law_.parameters);
     for (Index b = 0; b < loop_.batches(); ++b)
-      for (int l = 0; l < pack_lanes; ++l) {
-        const Index e = loop_.elementOf(b, l);
-        const std::size_t cell = std::size_t(e >= 0 ? e : loop_.elementOf(b, 0));
-        setLane(rest_[b], l, restOf(cells, cell, e < 0));
-        law_.read(cells.parameters(cell), values.data());
-        for (std::size_t i = 0; i < values.size(); ++i)
-          setLane(parameters_[std::size_t(b) * law_.parameters + i], l, values[i]);
-      }
+      for (int l = 0; l < pack_lanes; ++l) setLane(rest_[b], l, restOf(cells, cellOf(b, l), loop_.elementOf(b, l) < 0));
+    takeParameters();
+  }
+  bool refill() override {
+    takeParameters();
+    return true;
   }
 
   void addForce(ConstRows x, Rows f) override {
@@ -92,6 +89,20 @@ class PointLaw final : public ElementKernels {
       rest.weight[p] = padding ? 0 : -std::abs(edges.determinant()) / (Cell::scale * cells.mesh->overlap);
     }
     return rest;
+  }
+  /// Padding repeats the first.
+  std::size_t cellOf(Index b, int l) const {
+    const Index e = loop_.elementOf(b, l);
+    return std::size_t(e >= 0 ? e : loop_.elementOf(b, 0));
+  }
+  void takeParameters() {
+    std::vector<double> values(law_.parameters);
+    for (Index b = 0; b < loop_.batches(); ++b)
+      for (int l = 0; l < pack_lanes; ++l) {
+        law_.read(cells_.parameters(cellOf(b, l)), values.data());
+        for (std::size_t i = 0; i < values.size(); ++i)
+          setLane(parameters_[std::size_t(b) * law_.parameters + i], l, values[i]);
+      }
   }
   const Pack* parameters(Index b) const { return parameters_.data() + std::size_t(b) * law_.parameters; }
   std::size_t tangentOf(Index b, int p) const {
@@ -174,6 +185,7 @@ class PointLaw final : public ElementKernels {
   }
 
   const PointFunctions& law_;
+  const Cells cells_;
   Loop loop_;
   Array<Rest<Pack>> rest_;  ///< shape (batches)
   Array<Pack> parameters_;  ///< shape (batches, parameters of the law)

@@ -135,22 +135,27 @@ template <>
 std::unique_ptr<ElementKernels> stroma::hyperelastic::tetrahedraOf<StVenantKirchhoff>(const Cells& cells) {
   using namespace tetrahedron;
   using Model = GreenFan;
+  using Storage = StorageOf<Model>;
   const std::vector<tetrahedron::Fan> fans = gatherFans(cells.mesh->tetrahedra, cells.rest->size());
-  const auto nodes = nodesOf(fans);
-  StorageOf<Model> storage;
-  storage.build(nodes, *cells.rest, cells.first_row, [&](std::size_t f, bool padding, auto& rest, auto& tangent) {
-    for (int i = 0; i < fan_size; ++i) {
-      const Index e = fans[f].element[i];
-      const std::size_t cell = std::size_t(e >= 0 ? e : fans[f].element[0]);
-      stroma::Tetrahedron order;
-      for (int a = 0; a < 4; ++a) order[a] = nodes[f][corner(i, a)];
-      double weight = 0;
-      setTetrahedron<TriangularFrame>(cells, cell, order, false, padding || e < 0, rest.of[i], weight);
-      const auto constants = parametersOf<StVenantKirchhoff>(cells.parameters(cell));
-      tangent.of[i] = {weight * constants.lambda, weight * constants.mu};
-    }
-  });
-  return std::make_unique<FanKernels<Model, GreenTetrahedron>>(std::move(storage));
+  const auto fill = [cells, fans](Storage& stored) {
+    const auto nodes = nodesOf(fans);
+    stored.fill([&](std::size_t f, bool padding, auto& rest, auto& tangent) {
+      for (int i = 0; i < fan_size; ++i) {
+        const Index e = fans[f].element[i];
+        const std::size_t cell = std::size_t(e >= 0 ? e : fans[f].element[0]);
+        stroma::Tetrahedron order;
+        for (int a = 0; a < 4; ++a) order[a] = nodes[f][corner(i, a)];
+        double weight = 0;
+        setTetrahedron<TriangularFrame>(cells, cell, order, false, padding || e < 0, rest.of[i], weight);
+        const auto constants = parametersOf<StVenantKirchhoff>(cells.parameters(cell));
+        tangent.of[i] = {weight * constants.lambda, weight * constants.mu};
+      }
+    });
+  };
+  Storage storage;
+  storage.arrange(nodesOf(fans), *cells.rest, cells.first_row);
+  fill(storage);
+  return std::make_unique<FanKernels<Model, GreenTetrahedron>>(std::move(storage), fill);
 }
 
 STROMA_COMPONENT(st_venant_kirchhoff) {

@@ -36,6 +36,11 @@ class ViscousLaw final : public ElementKernels {
   void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f) override;
   double energy(ConstRows x) const override;
   void addProduct(ConstRows dx, double factor, Rows df) const override;
+  /// Keeps what is held.
+  bool refill() override {
+    const bool law = law_->refill(), whole = !whole_ || whole_->refill();
+    return law && whole;
+  }
   void addPattern(BlockPattern& pattern) const override { law_->addPattern(pattern); }
   std::vector<Index> slots(const BlockMatrix& matrix) const override { return law_->slots(matrix); }
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override;

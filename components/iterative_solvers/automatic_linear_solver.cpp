@@ -69,11 +69,10 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   Kept& keptFor(SystemMatrix& matrix);
   /// That of the scene; else one that is made when it is first wanted: its module is not opened for multigrid.
   DirectSolver& factors() {
-    if (!direct_) {
-      own_factors_ = makeUsual(Part::solver_of_equilibria);
-      direct_ = &dynamic_cast<DirectSolver&>(*own_factors_);
-    }
-    return *direct_;
+    if (direct_) return *direct_;
+    own_factors_ = makeUsual(Part::solver_of_equilibria);
+    own_factors_->init();
+    return *(direct_ = &dynamic_cast<DirectSolver&>(*own_factors_));
   }
   void chooseFor(SystemMatrix& matrix, Kept& kept);
   /// Of the matrix solved last, and of all.

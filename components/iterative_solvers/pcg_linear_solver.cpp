@@ -154,7 +154,10 @@ Index PCGLinearSolver::mostRows() const {
 
 /// Made when preconditioner auto first wants factors: their module is not opened before.
 DirectSolver& PCGLinearSolver::ownFactors() const {
-  if (!own_factors_) own_factors_ = makeUsual(Part::solver_of_equilibria);
+  if (!own_factors_) {
+    own_factors_ = makeUsual(Part::solver_of_equilibria);
+    own_factors_->init();
+  }
   return dynamic_cast<DirectSolver&>(*own_factors_);
 }
 

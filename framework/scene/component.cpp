@@ -10,6 +10,7 @@
 #include <fstream>
 #include <new>
 
+#include "framework/scene/problem_listener.h"
 #include "framework/scene/spans.h"
 
 namespace stroma {
@@ -120,14 +121,12 @@ void Component::standBeside(const Component& other, std::string name) {
 
 void Component::warn(std::string message, std::string suggestion) const {
   if (diagnostics_) return diagnostics_->warning(where_, path(), std::move(message), std::move(suggestion));
-  const Problem problem{Severity::warning, where_, path(), std::move(message), {}, std::move(suggestion)};
-  std::fprintf(stderr, "%s\n", problem.text().c_str());  // after loading nobody collects any more: never silent
+  problem_listener({Severity::warning, where_, path(), std::move(message), {}, std::move(suggestion)});
 }
 
 void Component::inform(std::string message) const {
   if (diagnostics_) return diagnostics_->note(where_, path(), std::move(message));
-  const Problem problem{Severity::note, where_, path(), std::move(message), {}, {}};
-  std::fprintf(stderr, "%s\n", problem.text().c_str());
+  problem_listener({Severity::note, where_, path(), std::move(message), {}, {}});
 }
 
 }  // namespace stroma

@@ -15,13 +15,14 @@ enum class Part {
   integrator,
   solver_in_time,        ///< of matrices that a mass keeps well-conditioned
   solver_of_equilibria,  ///< of any matrix, by a factorisation
-  solver_that_chooses    ///< of any matrix, by the lowest estimated cost
+  solver_that_chooses,   ///< of any matrix, by the lowest estimated cost
+  ball                   ///< a force on the points inside it
 };
 
 /// The component that usually plays it. tools/sofa answers: no name of a component is known here.
 std::string usualComponent(Part part);
-/// Makes one, in no node and with its defaults, for a component that finds during the run that it needs one. Throws
-/// std::runtime_error when its module cannot be opened.
+/// Makes one with its defaults, in no node and before its init(), for code that finds during the run that it needs one.
+/// Throws std::runtime_error when its module cannot be opened.
 std::unique_ptr<Component> makeUsual(Part part);
 
 }  // namespace stroma

@@ -68,7 +68,10 @@ void System::bindStates() {
   }
 }
 
-LinearSolver* System::linearSolver() const { return integrator_.linearSolver(); }
+LinearSolver* System::linearSolver() const {
+  if (!solver_) solver_ = integrator_.linearSolver();  // a search of the node, and steps ask
+  return *solver_;
+}
 Node& System::node() const { return integrator_.node(); }
 
 void System::beginStep(const StepContext& context) {

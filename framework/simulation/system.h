@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "framework/simulation/constraint_set.h"
@@ -101,7 +102,7 @@ class System final {
   /// Adds an input on `state`, one of the independent states, or replaces the one with the same number. Nothing is
   /// compiled again, except when the first damping appears or the last one ends. Integrator::sceneChanged() is called
   /// unless only forces, targets, or the centre and radius of a ball have changed.
-  void setInput(long number, const Input& input, const State& state);
+  void setInput(long number, const Input& input, State& state);
   void removeInput(long number);
   /// Null if there is none.
   const InputForces* inputs() const { return inputs_ && !inputs_->empty() ? inputs_.get() : nullptr; }
@@ -129,6 +130,7 @@ class System final {
   void addMassProducts(ConstRows p, Rows out, Factor factor) const;
 
   Integrator& integrator_;
+  mutable std::optional<LinearSolver*> solver_;  ///< linearSolver(), once it was asked for
   std::vector<MergedIntegrator> merged_;
   std::vector<Component*> components_;
   Actors actors_;

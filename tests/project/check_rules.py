@@ -47,6 +47,7 @@ TOOLS_FOR_TOOLS = {
     "recordings": {"platform"},
     "sofa": {"platform"},
     "session": {"checks", "mesh_report", "units"},
+    "scene_writer": {"session"},
     "plan": {"units"},
     "checks": {"units"},
 }

@@ -286,7 +286,8 @@ TEST_F(BuiltModules, WhoUsuallyPlaysAPartExistsAndPlaysIt) {
   const std::pair<Part, const char*> roles[] = {
       {Part::state, "mechanical state"},       {Part::mass, "mass"},
       {Part::diagonal_mass, "mass"},           {Part::integrator, "integrator"},
-      {Part::solver_in_time, "linear solver"}, {Part::solver_of_equilibria, "linear solver"}};
+      {Part::solver_in_time, "linear solver"}, {Part::solver_of_equilibria, "linear solver"},
+      {Part::ball, "force field"},             {Part::solver_that_chooses, "linear solver"}};
   for (const auto& [part, role] : roles) {
     const std::unique_ptr<Component> component = factory.make(usualComponent(part));
     ASSERT_NE(component, nullptr) << usualComponent(part);

@@ -58,6 +58,19 @@ TEST_F(Command, MisspeltWordsAreAnsweredWithTheNearest) {
 
 // ---- run ----
 
+TEST_F(Command, WarningsAfterLoadingAreInTheSummaryToo) {
+  write("block.xml", R"(<Node name="root" gravity="0 -10 0"><CondensedStaticSolver cacheFolder="auto"/>
+    <RegularGridTopology n="3 3 3" min="0 0 0" max="0.1 0.1 0.1"/><MechanicalObject/><UniformMass totalMass="1"/>
+    <HexahedronFEMForceField method="small" youngModulus="1e4" poissonRatio="0.3"/>
+    <FixedProjectiveConstraint indices="0 1 2 3 4 5 6 7 8"/></Node>)");
+  const Finished run = shell("env -u HOME -u XDG_CACHE_HOME '" STROMA_COMMAND "' run block.xml -n 1 --quiet --no-record --json -");
+  EXPECT_EQ(run.code, 0) << run.err;
+  const auto at = run.err.find("finds no folder");
+  EXPECT_NE(at, std::string::npos) << run.err;
+  EXPECT_EQ(run.err.find("finds no folder", at + 1), std::string::npos) << "twice: " << run.err;
+  EXPECT_TRUE(has(nlohmann::json::parse(run.out)["warnings"].dump(), "finds no folder")) << run.out;
+}
+
 /// A spring of 100 N/m that a hand pulls with 300 N/m from the fourth step on.
 constexpr const char* sprung =
     "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><StaticSolver/><SparseLDLSolver/>"

@@ -60,6 +60,12 @@ void Progress::begin(const Simulation& simulation, long last) {
   stage_ = runs;
 }
 
+void Progress::print(const std::string& line) {
+  const std::lock_guard lock(mutex_);
+  line_.clear();
+  fmt::print(stderr, "{}\n", line);
+}
+
 void Progress::finish() {
   if (!thread_.joinable()) return;
   setStepProgress(nullptr);

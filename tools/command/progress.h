@@ -33,6 +33,8 @@ class Progress {
     time_.store(simulation.time(), std::memory_order_relaxed);
     made_.store(simulation.steps(), std::memory_order_relaxed);
   }
+  /// Prints a line of its own from the thread that makes the steps.
+  void print(const std::string& line);
   /// Nothing more is printed, and the terminal's line is empty: before anything else is printed.
   void finish();
 

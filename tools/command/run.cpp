@@ -210,7 +210,7 @@ struct Run {
     Simulation& simulation = session.load(request.scene);
     progress.loaded();
     simulation.computeOnDemand(true);
-    warnings = reportProblems(simulation.scene(), request.quiet);
+    std::ranges::move(reportProblems(simulation.scene(), request.quiet), std::back_inserter(warnings));
     if (!request.measure_file.empty()) checkMeasurable(simulation), dropReaders(simulation);
     if (!request.measured_quantity.empty()) measured.emplace(simulation, request.measured_quantity);
     if (!measured) session.followMeshChanges();
@@ -265,6 +265,10 @@ int runScene(const RunRequest& request, const Values& values) {
   tellLongWork(!request.quiet);
   Run run{request};
   Progress progress(request.scene, request.quiet, [] { return stopped_by != 0; });
+  const LateProblems late([&](const Problem& problem) {
+    if (problem.severity == Severity::warning) run.warnings.push_back(problem.text());
+    if (problem.severity != Severity::note || !request.quiet) progress.print(problem.text());
+  });
   {
     const Span span("load");
     run.load(values, progress);

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <utility>
 
 #include "framework/scene/missing_types.h"
+#include "framework/scene/problem_listener.h"
 #include "tools/command/words.h"
 #include "tools/session/thread_choice.h"
 
@@ -62,6 +64,19 @@ std::vector<Override> parseOverrides(const std::vector<std::string>& texts) {
   std::vector<Override> overrides;
   for (const std::string& text : texts) overrides.push_back(Override::parse(text));
   return overrides;
+}
+
+namespace {
+std::function<void(const Problem&)> hear_late;
+}
+
+LateProblems::LateProblems(std::function<void(const Problem&)> hear) : before_(problem_listener) {
+  hear_late = std::move(hear);
+  problem_listener = [](const Problem& problem) { hear_late(problem); };
+}
+LateProblems::~LateProblems() {
+  problem_listener = before_;
+  hear_late = nullptr;
 }
 
 std::vector<std::string> reportProblems(const Scene& scene, bool quiet) {

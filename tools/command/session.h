@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What every subcommand that loads a scene shares: its options, and how it reports errors.
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,17 @@ std::vector<Override> overridesOf(const Values& values);
 
 /// Each as `--set` has it.
 std::vector<Override> parseOverrides(const std::vector<std::string>& texts);
+
+/// Calls `hear` with the problems that are raised after loading, for its lifetime. At most one exists.
+class LateProblems {
+ public:
+  explicit LateProblems(std::function<void(const Problem&)> hear);
+  ~LateProblems();
+  LateProblems(const LateProblems&) = delete;
+
+ private:
+  void (*const before_)(const Problem&);
+};
 
 /// Warnings (and notes, unless `quiet`) of a scene that loaded, to standard error; returns the warnings.
 std::vector<std::string> reportProblems(const Scene& scene, bool quiet);

@@ -67,6 +67,7 @@ Best bestOf(const Estimates& each, const Counts& made, bool one_matrix) {
 std::optional<Estimates> estimatesOf(SystemMatrix& matrix) {
   try {
     const std::unique_ptr<Component> usual = makeUsual(Part::solver_that_chooses);
+    usual->init();
     auto* const choosing = dynamic_cast<SolverChoice*>(usual.get());
     const Data* told = usual->data().find("estimates");
     const auto* list = told ? std::get_if<std::vector<double>*>(&told->pointer()) : nullptr;

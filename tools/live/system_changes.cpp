@@ -52,7 +52,7 @@ void System::gravityChanged() {
   computeGravity();
 }
 
-void System::setInput(long number, const Input& input, const State& state) {
+void System::setInput(long number, const Input& input, State& state) {
   if (!inputs_) inputs_ = std::make_unique<InputForces>(*states().front());
   const bool were_empty = inputs_->empty(), were_damped = inputs_->isDamped();
   if (inputs_->set(number, input, state)) inputsChanged(were_empty, were_damped);

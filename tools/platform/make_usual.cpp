@@ -15,9 +15,7 @@ std::unique_ptr<Component> makeUsual(Part part) {
   const std::lock_guard lock(making);
   const std::string type = usualComponent(part);
   if (!modules.provide(type)) throw std::runtime_error("no module has " + type);
-  std::unique_ptr<Component> made = factory.make(type);
-  made->init();
-  return made;
+  return factory.make(type);
 }
 
 }  // namespace stroma

@@ -7,30 +7,12 @@
 #include <utility>
 
 #include "framework/scene/text.h"
+#include "tools/session/xml_text.h"
 
 namespace stroma {
 namespace {
 
 bool isBefore(TextPosition a, TextPosition b) { return std::pair(a.line, a.column) < std::pair(b.line, b.column); }
-
-/// The value between quotes of this kind, so that the reader gives it back to the byte.
-std::string escaped(std::string_view value, char quote) {
-  std::string out;
-  for (const char c : value) {
-    if (c == '&') {
-      out += "&amp;";
-    } else if (c == '<') {
-      out += "&lt;";
-    } else if (c == quote) {
-      out += quote == '"' ? "&quot;" : "&apos;";
-    } else if (c == '\n' || c == '\r' || c == '\t') {  // readers make spaces of them, or other line ends
-      out += "&#" + std::to_string(int(c)) + ";";
-    } else {
-      out += c;
-    }
-  }
-  return out;
-}
 
 /// Where in the text a value stands: from after its opening quote up to the closing one.
 struct ValuePlace {
@@ -125,12 +107,12 @@ class Editor {
     }
     added_[end][change.attribute] = change.value;
     std::string all;
-    for (const auto& [name, value] : added_[end]) all += " " + name + "=\"" + escaped(value, '"') + "\"";
+    for (const auto& [name, value] : added_[end]) all += " " + name + "=\"" + xmlValue(value, '"') + "\"";
     pieces_[{end, end}] = std::move(all);
   }
 
   void replace(ValuePlace place, const std::string& value) {
-    pieces_[{place.begin, place.end}] = escaped(value, text_[place.begin - 1]);
+    pieces_[{place.begin, place.end}] = xmlValue(value, text_[place.begin - 1]);
   }
 
   std::string_view text_;

@@ -17,6 +17,8 @@ std::string usualComponent(Part part) {
       return "PCGLinearSolver";
     case Part::solver_that_chooses:
       return "AutomaticLinearSolver";
+    case Part::ball:
+      return "BallForceField";
     case Part::solver_of_equilibria:
       break;
   }
