@@ -261,6 +261,7 @@ bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StopT
     placeSlots(system);
     if (!report.reason.empty()) break;
   }
+  report.stopped = report.stopped || others_.wasStopped();
   if (report.stopped || !report.reason.empty()) {
     report.diverged = !report.stopped;
     copy(c.start, system.x);

@@ -363,6 +363,7 @@ StepReport CondensedDynamicSolver::step(System& system, const StepContext& conte
   if (!writeActive(system, next_.data(), right_.data()))
     return giveUp(system, "a load is not finite, or the body has left the range of numbers");
   finish(system);
+  others().addTo(report);
   return report;
 }
 

@@ -97,6 +97,7 @@ class CondensedIntegrator : public Integrator, public StateOwner, public FindsMu
   /// hands() and further touches.
   void moveTouched(System& system, const StepContext& context);
   /// After moveTouched(): empty, or why the reactions or the motion of other bodies cannot be solved for.
+  const OtherBodies& others() const { return others_; }
   const std::string& touchFault() const { return others_fault_.empty() ? touch_fault_ : others_fault_; }
   /// Takes moveTouched() back.
   void restoreTouched(System& system);

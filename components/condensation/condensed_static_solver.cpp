@@ -291,6 +291,7 @@ StepReport CondensedStaticSolver::step(System& system, const StepContext& contex
   }
   if (writeActive(system, isHeld() ? held_.data() : u_.data(), nullptr)) {
     finish(system);
+    others().addTo(report);
     return report;
   }
   return giveUp(system, "a load is not finite, or the body has left the range of numbers");

@@ -47,6 +47,9 @@ class OtherBodies {
   bool begin(System& system, const StepContext& context);
   /// Why the last begin() or solveColumns() failed.
   const std::string& fault() const { return fault_; }
+  bool wasStopped() const { return solved_.stop == SolveStop::stopped; }
+  /// Adds what the linear solves of the step were.
+  void addTo(StepReport& report) const;
   /// Back to where the step started.
   void restore(System& system) const;
   /// Calls visit(k, gradient) for each row that a gradient on `row` acts on, through mappings, projected. Rows of soft bodies are visited
@@ -109,8 +112,8 @@ class OtherBodies {
   bool isSymmetric() const;
   void makeLarge(const System& system, Cluster& cluster) const;
   void takeValues(Cluster& cluster, const BlockMatrix& matrix) const;
-  bool solve(Cluster& cluster, const std::vector<ConstRows>& right, const std::vector<Rows>& solutions, StopToken stop);
-  bool findFreeChange(Cluster& cluster, StopToken stop);
+  bool solve(Cluster& cluster, const std::vector<ConstRows>& right, const std::vector<Rows>& solutions);
+  bool findFreeChange(Cluster& cluster);
   Mat3 massBlock(Index k) const;
   Mat3 projector(const System& system, Index k) const;
   void updateJacobians();
@@ -138,6 +141,8 @@ class OtherBodies {
   std::vector<Index> new_loads_, last_loads_;
   std::vector<std::vector<Index>> pushed_;  ///< rows of each cluster; work space
   std::string fault_;
+  StopToken stop_;      ///< of the step
+  SolveReport solved_;  ///< of all linear solves of the step
   std::vector<std::pair<const State*, LinearSolver*>> solvers_;  ///< of soft bodies
 
   std::vector<std::vector<JacobianBlock>> blocks_;  ///< of each mapping

@@ -3,11 +3,26 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 
 #include "components/condensation/other_bodies.h"
 #include "framework/scene/archive.h"
 
 namespace stroma {
+namespace {
+
+/// Of all bits, so that equal sums stand for equal values.
+std::uint64_t checksum(const std::vector<double>& values) {
+  std::uint64_t sum = 14695981039346656037u;
+  for (const double value : values) {
+    sum = (sum ^ std::bit_cast<std::uint64_t>(value)) * 1099511628211u;
+    sum ^= sum >> 29;
+  }
+  return sum;
+}
+
+}  // namespace
 
 /// The rows of one cluster.
 class OtherBodies::Matrix final : public SystemMatrix {
@@ -30,26 +45,16 @@ class OtherBodies::Matrix final : public SystemMatrix {
   }
   std::string describeRow(Index row) const override { return system_.actors().describeRow(rows_[std::size_t(row)]); }
 
-  void reset() { values_ = 0, matrix_.clear(), is_restored_ = false; }
-  /// The number of the values; those themselves are not stored.
-  void serialize(Archive& archive) {
-    archive.value("values", values_);
-    is_restored_ = archive.isReading();
-  }
-
-  /// The values of these rows of a matrix of all. `vary`: they may change in every step.
-  void take(const BlockMatrix& all, bool vary) {
-    bool have_changed = vary;
+  /// The values of these rows of a matrix of all. Their checksum is their revision: a counter would be wrong after a return to a
+  /// checkpoint, because a solver may still have factors of a later revision.
+  void take(const BlockMatrix& all) {
     auto own = matrix_.values().begin();
     for (const Index row : rows_) {
       const auto begin = all.values().begin() + 9 * std::ptrdiff_t(all.rowStart()[std::size_t(row)]);
       const auto end = all.values().begin() + 9 * std::ptrdiff_t(all.rowStart()[std::size_t(row) + 1]);
-      have_changed = have_changed || !std::equal(begin, end, own);
       own = std::copy(begin, end, own);
     }
-    if (is_restored_) have_changed = vary;
-    is_restored_ = false;
-    values_ += have_changed;
+    values_ = long(checksum(matrix_.values()));
   }
 
  private:
@@ -58,7 +63,6 @@ class OtherBodies::Matrix final : public SystemMatrix {
   BlockMatrix matrix_;
   bool is_symmetric_;
   long values_ = 0;
-  bool is_restored_ = false;
 };
 
 /// Clusters of soft bodies, and others too large for an inverse of their own.
@@ -103,45 +107,50 @@ void OtherBodies::checkSolvers() const {
 
 void OtherBodies::reset() {
   is_inverted_ = false;
-  for (Cluster& cluster : clusters_) {
-    cluster.columns.clear();
-    if (cluster.matrix) cluster.matrix->reset();
-  }
+  for (Cluster& cluster : clusters_) cluster.columns.clear();
 }
 
-/// Solvers name values by their revision.
 void OtherBodies::serialize(Archive& archive) {
   for (std::size_t i = 0; i < clusters_.size(); ++i) {
     Cluster& cluster = clusters_[i];
     if (!cluster.matrix) continue;
     archive.enter(fmt::format("{}:cluster {}", cluster.solver->path(), i));
-    cluster.matrix->serialize(archive);
     cluster.solver->serializeFor(*cluster.matrix, archive);
     if (archive.isReading()) cluster.columns.clear();
   }
 }
 
 void OtherBodies::takeValues(Cluster& cluster, const BlockMatrix& matrix) const {
-  cluster.matrix->take(matrix, actors_.derivatives_vary);
+  cluster.matrix->take(matrix);
   cluster.columns.clear();  // kept ones would have bits that a run from a checkpoint does not have, as of factors in single precision
 }
 
-bool OtherBodies::solve(Cluster& cluster, const std::vector<ConstRows>& right, const std::vector<Rows>& solutions, StopToken stop) {
+bool OtherBodies::solve(Cluster& cluster, const std::vector<ConstRows>& right, const std::vector<Rows>& solutions) {
   for (const Rows& each : solutions) clear(each);
-  const SolveReport report = cluster.solver->solveAll(*cluster.matrix, right, solutions, {.stop = stop});
+  const SolveReport report = cluster.solver->solveAll(*cluster.matrix, right, solutions, {.stop = stop_});
+  solved_.add(report);
   if (report.usable() && report.stop != SolveStop::breakdown) return true;
   fault_ = fmt::format("the linear solver {} {}", cluster.solver->path(), stroma::describe(report.stop));
   return false;
 }
 
-bool OtherBodies::findFreeChange(Cluster& cluster, StopToken stop) {
+void OtherBodies::addTo(StepReport& report) const {
+  if (solved_.stop == SolveStop::zero_right_side) return;
+  report.linear_iterations += solved_.iterations;
+  report.linear_residual = solved_.relative_residual;
+  report.linear_stop = solved_.stop;
+  report.linear_at_limit = solved_.stop == SolveStop::iteration_limit || solved_.stop == SolveStop::stagnated;
+  report.linear_converged = solved_.stop == SolveStop::converged;
+}
+
+bool OtherBodies::findFreeChange(Cluster& cluster) {
   const Index rows = Index(cluster.rows.size());
   Vector right(rows), change(rows);
   for (Index i = 0; i < rows; ++i) {
     const auto k = std::size_t(cluster.rows[std::size_t(i)]);
     right[i] = h_ * (projectors_[k] * force_[rows_[k]]);
   }
-  if (!solve(cluster, {ConstRows(right)}, {Rows(change)}, stop)) return false;
+  if (!solve(cluster, {ConstRows(right)}, {Rows(change)})) return false;
   for (Index i = 0; i < rows; ++i) {
     const auto k = std::size_t(cluster.rows[std::size_t(i)]);
     free_change_[k] = projectors_[k] * change[i];
@@ -172,7 +181,7 @@ bool OtherBodies::solveColumns() {
       }
     }
     const std::vector<ConstRows> right(loads.begin(), loads.end());
-    if (!right.empty() && !solve(cluster, right, solutions, {})) return false;
+    if (!right.empty() && !solve(cluster, right, solutions)) return false;
   }
   return true;
 }

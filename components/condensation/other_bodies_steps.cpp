@@ -28,7 +28,8 @@ void OtherBodies::compileFields(System& system) {
   sortByTraits(actors_);
   chain_ = MappingChain();
   chain_.compile(actors_);
-  if (!actors_.stiff_fields.empty() || !actors_.damped_fields.empty() || reach_mapped)
+  if (!actors_.stiff_fields.empty() || !actors_.damped_fields.empty() || reach_mapped ||
+      !std::ranges::all_of(masses_, [](const Mass* mass) { return mass->isDiagonal(); }))
     assembled_ = std::make_unique<AssembledMatrix>(actors_, chain_, system.constraints());
 }
 
@@ -162,7 +163,7 @@ void OtherBodies::keep(const System& system) {
 }
 
 bool OtherBodies::begin(System& system, const StepContext& context) {
-  h_ = context.dt;
+  h_ = context.dt, stop_ = context.stop, solved_ = {.stop = SolveStop::zero_right_side};
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     start_velocity_[k] = system.v[rows_[k]];
     const Mat3 free = projector(system, Index(k));
@@ -178,7 +179,7 @@ bool OtherBodies::begin(System& system, const StepContext& context) {
   if (!invert(system)) return false;
   std::fill(loads_.begin(), loads_.end(), 0), new_loads_.clear();
   for (Cluster& cluster : clusters_) {
-    if (cluster.matrix && !findFreeChange(cluster, context.stop)) return false;
+    if (cluster.matrix && !findFreeChange(cluster)) return false;
     for (const Index k : cluster.rows) {
       if (cluster.matrix) break;
       Vec3 sum = Vec3::Zero();
