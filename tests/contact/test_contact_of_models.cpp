@@ -177,6 +177,23 @@ TEST(ContactOfModels, BallsDoNotReplaceASurface) {
   EXPECT_EQ(problemsOf(fromModels(ball)), "");
 }
 
+/// A surface that is mapped from a frame in another branch of the scene moves, and falls on a sheet.
+TEST(ContactOfModels, MappedBodiesMayBeInAnotherBranch) {
+  const std::string tool = "<Node name=\"tool\"><MechanicalObject name=\"frame\" template=\"Rigid3\" position=\"0 0 0.05 0 0 0 1\"/>"
+                           "<UniformMass totalMass=\"0.02\" inertia=\"2e-6 2e-6 2e-6\"/></Node>";
+  const std::string skin =
+      "<Node name=\"skin\"><MeshTopology name=\"mesh\" position=\"-0.01 -0.01 0  0.01 -0.01 0  0 0.01 0  0 0 0.01\" "
+      "triangles=\"0 2 1  0 1 3  1 2 3  2 0 3\"/><MechanicalObject name=\"dofs\"/><RigidMapping input=\"@/m/tool/frame\" "
+      "output=\"@dofs\"/><TriangleCollisionModel/></Node>";
+  const std::string more = "responseParams=\"stiffness=1e4\"";
+  Simulation simulation =
+      simulationFromText(scene(tool, skin + response("BarrierContact", more) + sheet(models("simulated=\"false\"")), 9.81));
+  for (int i = 0; i < 40; ++i) expectCleanStep(simulation, i, false);
+  const double height = simulation.systems()[0]->x[0].z();  // of the frame
+  EXPECT_GT(height, 0);
+  EXPECT_LT(height, 0.04);
+}
+
 /// A ball that starts in a sheet is refused, or pushed out to the gap.
 TEST(ContactOfModels, BallsMayStartInOthers) {
   const std::string ball = "<Node name=\"ball\"><MechanicalObject name=\"dofs\" position=\"0.3 0.2 0.012\"/>"
