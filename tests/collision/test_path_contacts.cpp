@@ -86,7 +86,7 @@ TEST(PathContacts, StopWhatIsFast) {
 }
 
 /// A point falls at a triangle that gravity does not act on and that comes up to it: they meet only by what gravity adds to the paths, and
-/// are no nearer than 3 cm to each other at their ends. However small the alarm distance, contact is found.
+/// are 5 cm apart at the ends of these. However small the alarm distance, contact is found.
 TEST(PathContacts, FreeMotionFindsWhatGravityAdds) {
   for (const std::string alarm : {"0.0011", "0.06"}) {
     Simulation simulation = simulationFromText(fmt::format(
