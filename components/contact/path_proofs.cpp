@@ -94,7 +94,7 @@ void PathProofs::compile(const Surfaces& surfaces, bool self_contact) {
 }
 
 void PathProofs::startAt(const std::vector<Vec3>& x) {
-  if (areNeeded()) last_ = x, bend_.clear();
+  if (areNeeded()) goOnFrom(x), one_ = other_ = -1;
 }
 
 void PathProofs::placeBodies(const std::vector<Vec3>& x) {
@@ -125,8 +125,9 @@ bool PathProofs::mayMeet(int f, int g) const {
 }
 
 void PathProofs::moveTo(const std::vector<Vec3>& x) {
-  if (areNeeded() && last_.size() == x.size()) checkPaths(x, false);
-  startAt(x);
+  if (!areNeeded()) return;
+  if (last_.size() == x.size()) checkPaths(x, false);
+  goOnFrom(x);
 }
 
 void PathProofs::allow(const std::vector<Vec3>& x, const std::vector<Vec3>& way, const std::vector<double>& bend, double step) {
@@ -193,8 +194,8 @@ void PathProofs::noteStep(const std::function<std::string(int)>& name) {
 
 std::string PathProofs::doubt(const std::string& path, std::string doubt) const {
   if (steps_ == 0) return doubt;
-  return fmt::format("{}{}in {} steps of {} a second test could not prove that no thread or point passed through something, last at {}",
-                     doubt, doubt.empty() ? "" : "; ", steps_, path, names_);
+  return fmt::format("{}{}in {} steps of {} a second test could not prove that no thread or point passed through something{}", doubt,
+                     doubt.empty() ? "" : "; ", steps_, path, names_.empty() ? "" : ", last at " + names_);
 }
 
 void PathProofs::serialize(Archive& archive) {

@@ -38,9 +38,9 @@ class PathProofs {
   void declare(DataTable& table);
   /// `self_contact`: also within a body.
   void compile(const Surfaces& surfaces, bool self_contact);
-  /// There are threads, points or balls.
+  /// There are threads, points or balls that move, or threads or points without a thickness that do not.
   bool areNeeded() const { return !thin_.empty(); }
-  /// Paths start at x.
+  /// Paths start at x. What was found on those of an attempt that has been taken back does not count.
   void startAt(const std::vector<Vec3>& x);
   /// The vertices of bodies are at x, where they have not moved to, and obstacles stay where they are.
   void placeBodies(const std::vector<Vec3>& x);
@@ -56,6 +56,7 @@ class PathProofs {
   void serialize(Archive& archive);
 
  private:
+  void goOnFrom(const std::vector<Vec3>& x) { last_ = x, bend_.clear(); }
   void forget() { last_.clear(), bend_.clear(), one_ = other_ = -1; }
   /// Checks the paths from last_ to x of pairs that bend, or of the others.
   void checkPaths(const std::vector<Vec3>& x, bool bent);
@@ -64,13 +65,13 @@ class PathProofs {
   bool mayMeet(int f, int g) const;
   bool isThin(int f) const {
     const auto& face = surfaces_->faces[std::size_t(f)];
-    return face[0] == face[1] && surfaces_->moves(face[0]);
+    return face[0] == face[1] && (surfaces_->moves(face[0]) || surfaces_->radius[std::size_t(f)] == 0);
   }
   void fit(const std::vector<int>& faces, const std::vector<Vec3>& x, std::vector<Box>& boxes) const;
 
   const Surfaces* surfaces_ = nullptr;
   bool self_contact_ = true;
-  std::vector<int> thin_, all_;  ///< faces: edges and points of bodies; all
+  std::vector<int> thin_, all_;  ///< faces: edges and points; all
   BoxTree thin_tree_, all_tree_;
   std::vector<Box> thin_boxes_, all_boxes_;
   std::vector<Vec3> last_;       ///< empty: no path has begun
