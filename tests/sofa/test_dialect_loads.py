@@ -352,7 +352,7 @@ def nodes_outside_of_a_cone():
 
 @case
 def forces_of_other_numbers_than_nodes():
-    """One is that of each node; any other number is an error in SOFA since 2024, without a load. (Before, it read beyond the list.)"""
+    """One is that of each node; any other number is an error in later versions of SOFA, without a load. (Older ones read beyond the list.)"""
     X = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0]])
     body = f'<MechanicalObject name="dofs" position="{numbers_of(X)}"/><UniformMass totalMass="3"/><ConstantForceField {{}}/>'
     none = "the load is left out, as in SOFA"
