@@ -36,8 +36,8 @@ class ConstantForceField final : public DeadLoad {
     table.add("indices", indices_).recompiled().help("loaded nodes; every node by default");
     table.add("emptyMeansAll", empty_is_all_).help("an empty list of indices means all nodes, as in SOFA");
     table.add("forces", forces_).recompiled().help("force on each listed node, or one for all of them").unit("N");
-    table.add("lastForOthers", last_for_others_)
-        .help("nodes beyond the end of forces have its last value, and forces beyond the nodes count for nothing, as in SOFA");
+    table.add("noneIfMismatched", none_if_mismatched_)
+        .help("forces of another number than one or that of the nodes are left out with a warning, as in SOFA, and are no error");
     table.add("force", force_).recompiled().help("the same force on each listed node").unit("N").shorthand();
     table.add("totalForce", total_force_).recompiled().help("force shared equally by the listed nodes").unit("N");
     table.add("indexFromEnd", from_end_).help("count indices from the last node: 0 is the last");
@@ -107,11 +107,13 @@ class ConstantForceField final : public DeadLoad {
     if (data().find("force")->isSet()) check(force_, "force"), forces_ = force_;
     check(forces_, "forces");
     std::vector<double> all = forces_;  // the attribute stays as it is written: other indices may be as many others
-    if (last_for_others_ && all.size() != width && all.size() != width * nodes_.size())
-      warn(fmt::format("forces has {} values for {} nodes: {}, as in SOFA", all.size() / width, nodes_.size(),
-                       all.size() < width * nodes_.size() ? "the others have the last" : "the others count for nothing"));
-    if (last_for_others_) all.resize(std::min(all.size(), width * nodes_.size()));
-    if (all.size() == width || (last_for_others_ && !all.empty()))
+    if (none_if_mismatched_ && all.size() != width && all.size() != width * nodes_.size()) {
+      warn(fmt::format("forces has {} values for {} nodes: the load is left out, as in SOFA", all.size() / width, nodes_.size()),
+           fmt::format("1 value or {}", nodes_.size()));
+      total_force_.assign(width, 0);
+      return loads_.clear();
+    }
+    if (all.size() == width)
       while (all.size() < width * nodes_.size()) all.push_back(all[all.size() - width]);
     if (all.size() != width * nodes_.size())
       throw ComponentError(fmt::format("forces has {} values for {} nodes", all.size() / width, nodes_.size()),
@@ -129,7 +131,7 @@ class ConstantForceField final : public DeadLoad {
 
   std::vector<int> indices_;
   std::vector<double> forces_, force_{0, 0, 0}, total_force_{0, 0, 0};  ///< flat
-  bool from_end_ = false, empty_is_all_ = false, last_for_others_ = false;
+  bool from_end_ = false, empty_is_all_ = false, none_if_mismatched_ = false;
   std::vector<Index> nodes_;
   std::vector<std::pair<Index, Vec3>> loads_;  ///< row of the state and what acts on it
 };

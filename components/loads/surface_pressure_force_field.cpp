@@ -46,6 +46,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "components/loads/surface_load.h"
 #include "framework/mechanics/key_times.h"
@@ -80,6 +81,7 @@ class SurfacePressureForceField final : public SurfaceLoad {
   bool isSet(const char* attribute) const { return data().find(attribute)->isSet(); }
   void checkTimes();
   void checkGas();
+  void tellInnerFaces(const Mesh& mesh) const;
   std::vector<double> weightsOf(const std::vector<Face>& faces) const;
   static std::size_t splitQuads(std::vector<Face>& faces);
   double pressureAt(double t) const;
@@ -89,7 +91,7 @@ class SurfacePressureForceField final : public SurfaceLoad {
   SurfaceSelection selection_;
   Vec3 main_direction_ = Vec3::Zero();
   std::vector<double> key_times_, key_pressures_;
-  bool pulse_ = false, gas_ = false, use_tangent_ = true, exact_border_ = false;
+  bool pulse_ = false, gas_ = false, use_tangent_ = true, exact_border_ = false, warn_of_inner_ = false;
   enum class Quads : int { bilinear, halves } quads_ = Quads::bilinear;
   enum class PulseSteps : int { none, end, start } pulse_steps_ = PulseSteps::none;
   KeyTimes<double> keys_;
@@ -101,6 +103,8 @@ void SurfacePressureForceField::declare(DataTable& table) {
   table.add("pressure", pressure_).recompiled().help("pressure along the normals").unit("Pa");
   selection_.declare(table);
   table.add("exactBorder", exact_border_).help("the box from min to max is not widened by 1e-9 of its size, as in SOFA");
+  table.add("warnOfInnerFaces", warn_of_inner_)
+      .help("a warning says where SOFA would also load triangles between two tetrahedra, which are not loaded here");
   table.add("mainDirection", main_direction_)
       .help("faces are loaded in proportion to the cosine of their normal with it; 0 0 0: all alike")
       .unit("-");
@@ -131,6 +135,7 @@ void SurfacePressureForceField::init() {
   ForceField::init();
   checkTimes();
   std::vector<Face> faces = selection_.faces(*this, surfaceMesh(), state());
+  if (warn_of_inner_) tellInnerFaces(surfaceMesh());
   const std::size_t halves = quads_ == Quads::halves ? splitQuads(faces) : 0;
   std::vector<double> weights = weightsOf(faces);
   if (!weights.empty()) std::fill_n(weights.rbegin(), halves, 1.);
@@ -140,6 +145,31 @@ void SurfacePressureForceField::init() {
   stress_is_fixed = !gas_;
   if (gas_) checkGas();
   now_ = pressureAt(0);
+}
+
+/// SOFA makes triangles of all faces of tetrahedra, one for both sides of an inner one, and loads those that the mesh has.
+void SurfacePressureForceField::tellInnerFaces(const Mesh& mesh) const {
+  const bool lists = isSet("triangleIndices") || isSet("quadIndices") || isSet("quadraticTriangleIndices");
+  if (lists || mesh.tetrahedra.empty()) return;
+  const auto sorted = [](Triangle face) {
+    std::sort(face.begin(), face.end());
+    return face;
+  };
+  std::set<Triangle> inner;
+  for (const Triangle& face : mesh.triangularFaces()) inner.insert(sorted(face));
+  for (const Triangle& face : mesh.boundaryTriangles()) inner.erase(sorted(face));
+  Eigen::AlignedBox3d box;
+  if (isSet("min"))
+    for (const char* corner : {"min", "max"}) box.extend(**std::get_if<Vec3*>(&data().find(corner)->pointer()));
+  const std::vector<Triangle> faces = mesh.triangles.empty() ? mesh.triangularFaces() : mesh.triangles;
+  const auto is_loaded = [&](const Triangle& face) {
+    return inner.contains(sorted(face)) && (box.isEmpty() || std::all_of(face.begin(), face.end(), [&](Index node) {
+             return box.contains(state().rest_position[node]);
+           }));
+  };
+  if (const auto count = std::count_if(faces.begin(), faces.end(), is_loaded))
+    warn(fmt::format("loads the border of the tetrahedra; SOFA loads the faces between them too, {} here", count),
+         "triangles of the border alone, as Tetra2TriangleTopologicalMapping lists them");
 }
 
 /// Two triangles for each quad, at the end of the list; how many they are.

@@ -70,6 +70,8 @@ class MeshSprings : public SpringField {
     table.add("noCompression", no_compression_).help("springs resist elongation only");
     table.add("allowEmpty", allow_empty_).help("a mesh without cells that have springs is no error");
     table.add("localRange", range_).help("first and last node that springs may join; -1 -1: all nodes");
+    table.add("rangeByEnds", range_by_ends_)
+        .help("a spring may also join a node of localRange and one behind it, and each end of localRange counts alone, as in SOFA");
     for (const char* name : {"drawMinElongationRange", "drawMaxElongationRange", "drawSpringSize"})
       table.addVisualOnly(name);
   }
@@ -99,7 +101,7 @@ class MeshSprings : public SpringField {
   /// A spring for the pair unless there is one already.
   void addPair(Index i, Index j, int kind) {
     if (i > j) std::swap(i, j);
-    if (range_[0] >= 0 && range_[1] >= 0 && (i < range_[0] || j > range_[1])) return;
+    if (isOutOfRange(i, j)) return;
     if (!pairs_.insert({i, j}).second) return;
     springs_.push_back({i, j, kinds_[kind].stiffness, kinds_[kind].damping, 0, no_compression_});
   }
@@ -139,6 +141,10 @@ class MeshSprings : public SpringField {
       {"lines", nullptr}, {"triangles", nullptr}, {"quads", nullptr}, {"tetrahedra", "tetras"}, {"cubes", "hexas"}};
 
  private:
+  bool isOutOfRange(Index i, Index j) const {  // i < j
+    if (range_by_ends_) return i < range_[0] || (range_[1] >= 0 && i > range_[1]);
+    return range_[0] >= 0 && range_[1] >= 0 && (i < range_[0] || j > range_[1]);
+  }
   void overwrite(double& value, double all, const Kind& kind, const char* what) const {
     const Data* own = data().find(std::string(kind.name) + what);
     if (own && !own->isSet()) value = all;
@@ -149,7 +155,7 @@ class MeshSprings : public SpringField {
   }
   TopologyLink topology_;
   const Mesh* mesh_ = nullptr;
-  bool no_compression_ = false, per_length_ = false, allow_empty_ = false;
+  bool no_compression_ = false, per_length_ = false, allow_empty_ = false, range_by_ends_ = false;
   double stiffness_ = 0, damping_of_all_ = 0;
   std::vector<int> range_{-1, -1};
   std::set<Edge> pairs_;

@@ -301,6 +301,22 @@ def loads_on_bent_faces():
 
 
 @case
+def pressures_on_tetrahedra():
+    """SOFA also loads the faces between tetrahedra unless the mesh lists its triangles; here only the border, and the difference is told."""
+    x = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1.0]])
+    cells, border = [(0, 1, 2, 3), (1, 4, 2, 3)], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 4), (1, 4, 3), (2, 3, 4)]
+    f = np.zeros_like(x)
+    for a, b, c in border:
+        f[[a, b, c]] += 4 * np.cross(x[b] - x[a], x[c] - x[a]) / 6
+    for kind, listed in itertools.product(("MeshTopology", "TetrahedronSetTopologyContainer"), (False, True)):
+        triangles = f'triangles="{numbers_of(np.array(border))}"' if listed else ""
+        run = Run(node(f'<EulerExplicitSolver/><{kind} position="{numbers_of(x)}" tetrahedra="{numbers_of(np.array(cells))}" {triangles}/>'
+                       '<MechanicalObject name="dofs"/><UniformMass vertexMass="1"/><SurfacePressureForceField pressure="4"/>'), 1)
+        agree((run.x() - x) / 1e-4, f, 1e-8)
+        assert ("SOFA loads the faces between them too" in run.text) != listed, run.text
+
+
+@case
 def nodes_outside_of_a_cone():
     """Beside it, behind its tip and beyond its cap, inside it and outside, where SOFA's damping drives; the tangent is along the force."""
     x = np.array([[0.6, 0.5, 0.1], [0.1, 1.6, 0.2], [1.5, 1.5, 0], [0.2, -0.3, 0.1], [0.1, 0.8, 0], [0, 0.5, -0.9]])
@@ -336,16 +352,19 @@ def nodes_outside_of_a_cone():
 
 @case
 def forces_of_other_numbers_than_nodes():
-    """The last one is that of the nodes beyond, and those beyond the nodes count for nothing."""
+    """One is that of each node; any other number is an error in later versions of SOFA, without a load. (Older ones read beyond the list.)"""
     X = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0]])
     body = f'<MechanicalObject name="dofs" position="{numbers_of(X)}"/><UniformMass totalMass="3"/><ConstantForceField {{}}/>'
-    for words, forces, said in (('indices="0 1 2" forces="1 0 0  0 1 0"', [[1, 0, 0], [0, 1, 0], [0, 1, 0]], "the others have the last"),
-                                ('forces="1 0 0  0 1 0"', [[1, 0, 0], [0, 1, 0], [0, 1, 0]], "forces has 2 values for 3 nodes"),
-                                ('indices="2 1" forces="1 0 0  0 1 0  0 0 5"', [[0, 0, 0], [0, 1, 0], [1, 0, 0]], "count for nothing"),
-                                ('indices="2 1" forces="0 0 5"', [[0, 0, 0], [0, 0, 5], [0, 0, 5]], "")):
+    none = "the load is left out, as in SOFA"
+    for words, forces, said in (('indices="0 1 2" forces="1 0 0  0 1 0"', np.zeros((3, 3)), none),
+                                ('forces="1 0 0  0 1 0"', np.zeros((3, 3)), "forces has 2 values for 3 nodes"),
+                                ('indices="2 1" forces="1 0 0  0 1 0  0 0 5"', np.zeros((3, 3)), none),
+                                ('indices="2 1" forces="1 0 0  0 1 0"', [[0, 0, 0], [0, 1, 0], [1, 0, 0]], ""),
+                                ('indices="0 2 1" forces="0 0 5"', [[0, 0, 5]] * 3, ""), ('forces="0 0 5"', [[0, 0, 5]] * 3, "")):
         run = Run(node(EXACT + body.format(words)), 1)
-        agree((run.x() - X) / 1e-4, forces, 1e-8)
+        agree((run.x() - X) / 1e-4 + 1, np.asarray(forces) + 1, 1e-8)
         run.says(said)
+        assert said or "forces has" not in run.text, run.text
 
 
 def pulse(pressure, low, change, steps):
@@ -362,7 +381,8 @@ def pulse(pressure, low, change, steps):
 
 @case
 def pressures_that_beat():
-    """On a triangle of area 1/2 with 1 kg at each corner; steps that fit between the ends and others; nothing without a speed."""
+    """On a triangle of area 1/2 with 1 kg at each corner; steps that fit between the ends and others; without
+    a speed `pressure` in a second."""
     body = ('<MeshTopology position="0 0 0  1 0 0  0 1 0" triangles="0 1 2"/><MechanicalObject name="dofs"/><UniformMass vertexMass="1"/>'
             '<SurfacePressureForceField pressure="{}" pulseMode="1" pressureLowerBound="{}" {} useTangentStiffness="0"/>')
     for solver, (pressure, low, speed) in itertools.product(("<EulerExplicitSolver/>", EXACT), ((6, 1, 100), (6, 1, 170), (6, 0, 250), (-4, 0, 150))):
@@ -371,9 +391,18 @@ def pressures_that_beat():
             v += 0.01 * value / 6
             z += 0.01 * v
         agree(Run(node(solver + body.format(pressure, low, f'pressureSpeed="{speed}"')), 30).x()[:, 2], [z] * 3, 1e-6)
-    run = Run(node(EXACT + body.format(6, 1, "")), 10)
-    agree(run.x()[:, 2] + 1, [1] * 3)
-    run.says("SOFA's pulse stays at zero")
+    for pressure, low, words in ((6, 1, ""), (-4, 0, 'pressureSpeed="0"')):
+        v = z = 0.0
+        for value in pulse(pressure, low, 0.01 * abs(pressure), 30):
+            v += 0.01 * value / 6
+            z += 0.01 * v
+        run = Run(node(EXACT + body.format(pressure, low, words)), 30)
+        agree(run.x()[:, 2], [z] * 3, 1e-6)
+        run.says("pressureSpeed is not given")
+    for pressure, speed in ((0, ""), (6, 'pressureSpeed="-2"')):
+        run = Run(node(EXACT + body.format(pressure, -5, speed)), 10)
+        agree(run.x()[:, 2] + 1, [1] * 3)
+        run.says("SOFA's pulse stays at zero")
 
 
 main()

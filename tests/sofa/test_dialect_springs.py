@@ -86,6 +86,18 @@ def springs_of_a_mesh_that_changes():
 
 
 @case
+def springs_in_a_range_of_nodes():
+    """An end before the first node of localRange leaves a spring out, and so do two ends behind the last; each bound counts alone."""
+    pairs = list(itertools.combinations(range(4), 2))
+    for first, last in ((1, 2), (1, -1), (-1, 1), (2, 2), (-1, -1)):
+        scene = root(EXACT + f'<MeshTopology position="{X4_TEXT}" tetrahedra="0 1 2 3"/><MechanicalObject name="dofs"/><UniformMass '
+                     f'totalMass="4"/><MeshSpringForceField stiffness="500" localRange="{first} {last}"/><FixedConstraint indices="0 2"/>')
+        kept = [pair for pair in pairs if min(pair) >= first and not (last >= 0 and min(pair) > last)]
+        fields = together(gravity(np.ones(4), [0, -10, 0]), springs(kept, X4, 500))
+        agree(Run(scene, 20).x(), euler(X4, np.eye(4), fields, 20, 0.01, held=[0, 2]), 1e-8)
+
+
+@case
 def springs_of_a_mesh_without_cells():
     mesh = '<MeshTopology position="0 0 0  1 0 0"/>' + BODY
     run = Run(root(EXACT + mesh + '<MeshSpringForceField stiffness="100"/>'), 10)

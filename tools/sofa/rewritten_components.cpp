@@ -144,6 +144,7 @@ static void takeMaterial(Element& field) {
 void Rewriting::meanSpringsOfMesh(Element& springs) {
   setQuirk(springs, "spring-length", "perLength", "true"), setDefault(springs, "allowEmpty", "true");
   if (springs.is("RegularGridSpringForceField")) return setQuirk(springs, "spring-length", "gridLengths", "true");
+  if (springs.find("localRange")) setDefault(springs, "rangeByEnds", "true");
   const Element* mesh = meshOf(springs);
   if (mesh && (mesh->writes("edges") || mesh->writes("lines"))) setDefault(springs, "listedLines", "true");
   const auto& written = springs.written->attributes;

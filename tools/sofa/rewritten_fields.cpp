@@ -165,12 +165,9 @@ void Rewriting::includeLast(Element& element) {
   if (range.size() == 2 && range[1] >= 0) element.set("localRange", printed({range[0], range[1] + 1}));
 }
 
-/// Of several of its loads the first that SOFA asks for counts. Where a list has one force for several nodes SOFA reads beyond it.
+/// Of several of its loads the first that SOFA asks for counts.
 void Rewriting::meanConstantForce(Element& load) {
-  const std::size_t numbers = writtenNumbers(load.text("forces")).size(), nodes = writtenNumbers(load.text("indices")).size();
-  if (load.writes("forces") && load.writes("indices") && nodes > 1 && numbers > 0 && numbers < nodes)
-    warn(load.find("forces")->where, load, "forces", "has fewer numbers than there are nodes: SOFA has no defined load there");
-  if (load.find("forces")) setDefault(load, "lastForOthers", "true");
+  if (load.find("forces")) setDefault(load, "noneIfMismatched", "true");
   std::string counts;
   for (const char* name : {"forces", "force", "totalForce"}) {
     if (!load.find(name)) continue;
@@ -285,7 +282,7 @@ void Rewriting::meanLoads(Element& element) {
   if (type == "RegularGridSpringForceField" && !element.find("damping"))
     for (const char* kind : {"linesDamping", "quadsDamping", "cubesDamping"}) setDefault(element, kind, "5");
   if (type == "SphereForceField") setDefault(element, "radius", "1"), setDefault(element, "center", "0 0 0");
-  if (type == "SurfacePressureForceField") meanBox(element);
+  if (type == "SurfacePressureForceField") meanBox(element), setDefault(element, "warnOfInnerFaces", "true");
   if (type == "SurfacePressureForceField" && element.find("mainDirection"))
     warn(element.written->where, element, "mainDirection", "weighs by the normals at rest: SOFA does by those of the moment");
   if (type == "SurfacePressureForceField") {

@@ -103,10 +103,13 @@ void Rewriting::meanPulse(Element& pressure) {
     for (const char* of_pulse : {"pressureLowerBound", "pressureSpeed"}) pressure.remove(of_pulse);
     return;
   }
-  if (!(std::atof(pressure.text("pressureSpeed").c_str()) > 0)) {
+  const std::string speed = pressure.text("pressureSpeed"), end = pressure.text("pressure");
+  const bool is_link = speed.starts_with('@'), has_end = end.starts_with('@') || std::atof(end.c_str()) != 0;
+  if (!is_link && (std::atof(speed.c_str()) < 0 || (std::atof(speed.c_str()) == 0 && !has_end))) {
     pressure.dropped = true;
     return warn(pressure.written->where, pressure, "pressureSpeed", "is not above zero: SOFA's pulse stays at zero");
   }
+  if (!is_link && std::atof(speed.c_str()) == 0) pressure.remove("pressureSpeed");  // SOFA's is then |pressure|, and so is the default
   const Element* integrator = pressure.place->nearest("integrator");
   const bool at_start = integrator && isAnyOf(integrator->written->type, {"EulerExplicitSolver", "CentralDifferenceSolver"});
   setDefault(pressure, "pulseSteps", at_start ? "start" : "end");
