@@ -61,6 +61,7 @@ void CollisionModel::shareOut() {
 }
 
 void CollisionModel::addSolids(std::vector<const State*>& bodies, std::vector<Sphere>& spheres) const {
+  if (!active_) return;
   bodies.push_back(state_);
   if (kind() != Kind::sphere) return;
   for (const Part& part : parts_) spheres.push_back({state_, part.node[0], part.radius});

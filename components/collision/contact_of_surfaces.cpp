@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <sstream>
 
+#include "framework/mechanics/mapping.h"
 #include "framework/mesh/cell_lists.h"
 #include "framework/scene/node.h"
+#include "framework/simulation/integrator.h"
 
 namespace stroma::collision {
 namespace {
@@ -17,14 +19,31 @@ using Kind = CollisionModel::Kind;
 /// The models of a state.
 struct Body {
   State* state;
-  std::vector<const CollisionModel*> models;
+  bool is_moved;
+  std::vector<const CollisionModel*> models{};
   bool has(Kind kind) const { return of(kind) != nullptr; }
   const CollisionModel* of(Kind kind) const {
     const auto at = std::ranges::find_if(models, [kind](const CollisionModel* model) { return model->kind() == kind; });
     return at == models.end() ? nullptr : *at;
   }
-  bool isMoved() const { return models.front()->isMoved(); }
 };
+
+bool isBelowIntegrator(const State& state) {
+  for (const Node* at = &state.node(); at; at = at->parent())
+    for (const auto& component : at->components())
+      if (dynamic_cast<const Integrator*>(component.get())) return true;
+  return false;
+}
+
+/// An integrator moves a state below it, and what is mapped from such a state, also in another branch of the scene.
+bool isMoved(const State& state, const std::vector<Mapping*>& mappings) {
+  if (isBelowIntegrator(state)) return true;
+  return std::ranges::any_of(mappings, [&](Mapping* mapping) {
+    mapping->ensureReady();
+    if (&mapping->output() != &state) return false;
+    return std::ranges::any_of(mapping->inputs(), [&](const State* input) { return isMoved(*input, mappings); });
+  });
+}
 
 class Description {
  public:
@@ -33,7 +52,7 @@ class Description {
   void run(const std::string& parameters) {
     collect();
     dropUnmet();
-    std::ranges::stable_partition(bodies_, [](const Body& body) { return body.isMoved(); });
+    std::ranges::stable_partition(bodies_, [](const Body& body) { return body.is_moved; });
     check();
     setParameters(parameters);
     setBodies();
@@ -65,11 +84,13 @@ class Description {
 void Description::collect() {
   std::vector<CollisionModel*> models;
   response_.node().root().collect(models);
+  std::vector<Mapping*> mappings;
+  response_.node().root().collect(mappings);
   for (CollisionModel* model : models) {
     model->ensureReady();
     if (!model->isActive()) continue;
     auto at = std::ranges::find_if(bodies_, [model](const Body& body) { return body.state == &model->state(); });
-    if (at == bodies_.end()) bodies_.push_back({&model->state(), {}}), at = bodies_.end() - 1;
+    if (at == bodies_.end()) bodies_.push_back({&model->state(), isMoved(model->state(), mappings)}), at = bodies_.end() - 1;
     at->models.push_back(model);
   }
 }
@@ -95,7 +116,7 @@ void Description::dropUnmet() {
   std::vector<Body> met;
   for (const Body& body : bodies_)
     if (std::ranges::any_of(bodies_, [&](const Body& other) { return meet(body, other); })) met.push_back(body);
-  if (met.empty() || std::ranges::none_of(met, &Body::isMoved))
+  if (met.empty() || std::ranges::none_of(met, &Body::is_moved))
     throw ComponentError(met.empty() ? "no two collision models of the scene may meet" : "no integrator moves a body that may meet another",
                          "models on two bodies, or selfCollision=\"true\"", "groups, simulated and active exclude contacts");
   bodies_ = std::move(met);
@@ -177,7 +198,7 @@ void Description::setPairs() {
   for (const Body& body : bodies_) self = self || meet(body, body);
   for (std::size_t i = 0; i < bodies_.size(); ++i)
     for (std::size_t j = i; j < bodies_.size(); ++j) {
-      const bool is_of_still = !bodies_[i].isMoved() && !bodies_[j].isMoved();
+      const bool is_of_still = !bodies_[i].is_moved && !bodies_[j].is_moved;
       if (!is_of_still && (i != j || self) && !meet(bodies_[i], bodies_[j])) excluded += fmt::format("{} {} ", i, j);
     }
   set("selfContact", self ? "true" : "false", "the models");

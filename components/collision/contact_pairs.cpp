@@ -302,13 +302,15 @@ void ContactSearch::findRoom(Pair& pair, double in_a_step) const {
 
 void ContactSearch::ready(Surface& surface) const {
   if (std::exchange(surface.is_fit, true)) return;
-  surface.model->boxParts(surface.boxes, method_->pathDeviation());
+  surface.model->boxParts(surface.boxes);
   const std::vector<Part>& parts = surface.model->parts();
   for (std::size_t i = 0; i < parts.size() && method_->followsPaths(); ++i)
     for (int k = 0; k < parts[i].corners; ++k) {
       const Index node = parts[i].node[std::size_t(k)];
       surface.boxes[i].add(surface.model->place(node) + surface.model->wayOf(node));
     }
+  if (const double deviation = method_->pathDeviation(); deviation > 0)  // of both ends of a path
+    for (Box& box : surface.boxes) box = box.grownBy(deviation);
   surface.tree.refit(surface.boxes);
 }
 

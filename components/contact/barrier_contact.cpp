@@ -29,11 +29,11 @@
 // integrators use Newton's method. Explicit ones subdivide steps (integrators/explicit_parts.h), with contact_springs.cpp for friction.
 //
 // Surfaces are the boundary of the volume cells of a mesh, or its triangles and quads when it has none; quadratic triangles count as
-// four. Points of one piece that are nearer than contactDistance at rest do not push each other, but cannot cross. A state may be mapped:
-// a rigid tool is a frame that carries the nodes of a surface by a RigidMapping. With a SphereCollisionModel a state is balls around its
-// nodes. States of `other` that no integrator moves are obstacles. Others are planes (nx ny nz o: bodies are where n.x >
-// o), spheres (x y z r), capsules and cylinders (x y z  x y z  r) and boxes (two corners). They are fixed, or move together by
-// `movements` at `keyTimes`, as far as their path is free, while bodies yield. A step is solved again until they have gone all the way.
+// four. Points of one piece that are nearer than contactDistance at rest do not push each other, but cannot cross. A state may be mapped: a
+// rigid tool is a frame that carries the nodes of a surface by a RigidMapping. With a SphereCollisionModel a state is balls around its
+// nodes; one with a surface too is refused. States of `other` that no integrator moves are obstacles. Others are planes (nx ny nz o: bodies
+// are where n.x > o), spheres (x y z r), capsules and cylinders (x y z  x y z  r) and boxes (two corners). They are fixed, or move together
+// by `movements` at `keyTimes`, as far as their path is free, while bodies yield. A step is solved again until they have gone all the way.
 // `offset` moves them by hand: after a dozen solves the rest is left for the next step.
 //
 // Source: Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang and Kaufman 2020; Li et al. 2023 (physical barrier); Fang, Li, Cao,

@@ -8,6 +8,7 @@
 #include "components/contact/contact_bodies.h"
 #include "framework/mechanics/drawn_segments.h"
 #include "framework/mechanics/mapping.h"
+#include "framework/mesh/cell_lists.h"
 #include "framework/scene/node.h"
 #include "framework/simulation/integrator.h"
 
@@ -107,13 +108,28 @@ void BodyList::check() const {
                              fmt::format("numbers from 0 to {}", count - 1));
 }
 
+/// Balls in place of a surface leave holes in it. They are wanted where a response describes the contact by its models, and on a state that
+/// is mapped from that of a mesh above.
+void BodyList::checkBalls(const State& state, const Component& asker) const {
+  const Topology* mesh = asker.isMadeForAnother() ? nullptr : topologyOf(state);
+  if (!mesh || highestDimension(mesh->mesh()) < 2) return;
+  if (&mesh->node() != &state.node() && isMapped(state, mappingsOf(state.node().root()))) return;
+  throw ComponentError(fmt::format("{} has the surface of {} and a SphereCollisionModel, and {} takes a body as one of both", state.path(),
+                                   mesh->path(), asker.path()),
+                       "no SphereCollisionModel, or one on a state of its own below it",
+                       "<Node><MechanicalObject/><SphereCollisionModel/><IdentityMapping/></Node> has balls of its own");
+}
+
 /// Balls of a collision model, or the mesh of the state, or the points of a collision model that needs no mesh.
 void BodyList::addBody(std::size_t body, Surfaces& surfaces, const TopologyLink& topology, const Component& asker) const {
   const State& state = *states_[body];
   const bool moves = moves_[body];
   Solids solids = solidsOf(state);
   const auto hasMesh = [&] { return (body == 0 && topology.find(asker, state)) || topologyOf(state); };
-  if (solids.radii.empty() && solids.has_model && !hasMesh()) solids.radii.assign(std::size_t(state.nodes()), 0);
+  if (!solids.radii.empty())
+    checkBalls(state, asker);
+  else if (solids.has_model && !hasMesh())
+    solids.radii.assign(std::size_t(state.nodes()), 0);
   const std::size_t before = surfaces.faces.size();
   if (!solids.radii.empty())
     moves ? surfaces.addBalls(state, solids.radii) : surfaces.addObstacles(state.position, solids.radii);

@@ -24,6 +24,7 @@ class BodyList {
 
  private:
   void check() const;
+  void checkBalls(const State& state, const Component& asker) const;
   void addBody(std::size_t body, Surfaces& surfaces, const TopologyLink& topology, const Component& asker) const;
 
   LinkList<State> other_{"mechanical state"};

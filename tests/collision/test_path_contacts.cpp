@@ -85,6 +85,24 @@ TEST(PathContacts, StopWhatIsFast) {
     }
 }
 
+/// A point falls at a triangle that gravity does not act on and that comes up to it: they meet only by what gravity adds to the paths, and
+/// are 5 cm apart at the ends of these. However small the alarm distance, contact is found.
+TEST(PathContacts, FreeMotionFindsWhatGravityAdds) {
+  for (const std::string alarm : {"0.0011", "0.06"}) {
+    Simulation simulation = simulationFromText(fmt::format(
+        "<Node name=\"root\" dt=\"0.1\" gravity=\"0 0 -9.81\"><CollisionPipeline/><CollisionResponse "
+        "response=\"FrictionContactConstraint\" responseParams=\"mu=0\"/><CCDTightInclusionIntersection "
+        "continuousCollisionType=\"FreeMotion\" contactDistance=\"0.001\" alarmDistance=\"{}\"/><Node name=\"a\"><EulerImplicitSolver/>"
+        "<SparseLDLSolver/><MechanicalObject position=\"0.3 0.3 0.45\" velocity=\"0 0 -2\"/><UniformMass totalMass=\"0.02\"/>"
+        "<PointCollisionModel/></Node><Node name=\"b\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/><MeshTopology "
+        "position=\"0 0 0  1 0 0  0 1 0\" triangles=\"0 1 2\"/><MechanicalObject velocity=\"0 0 2  0 0 2  0 0 2\"/>"
+        "<UniformMass totalMass=\"0.3\"/><TriangleCollisionModel/></Node></Node>", alarm));
+    ASSERT_FALSE(simulation.step().diverged);
+    const Rows x = simulation.systems()[0]->x;
+    EXPECT_GT(x[0].z(), 0.4 * x[1].z() + 0.3 * x[2].z() + 0.3 * x[3].z()) << alarm;
+  }
+}
+
 /// Lines meet lines, and points triangles, as in SOFA.
 TEST(PathContacts, AreOfPointsAndTrianglesAndOfLines) {
   const auto told = [](const std::string& models) {

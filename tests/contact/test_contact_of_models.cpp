@@ -155,6 +155,45 @@ TEST(ContactOfModels, BallsMeetEachOther) {
     }
 }
 
+/// Balls leave holes in the surface of a body, so they do not replace it unless a response names them as its models.
+TEST(ContactOfModels, BallsDoNotReplaceASurface) {
+  const auto byHand = [](const std::string& in_plate, const std::string& in_sheet = "", const std::string& first = "a/dofs") {
+    const std::string contact = fmt::format("<BarrierContact name=\"contact\" mstate=\"@m/{}\" other=\"@sheet/dofs\" "
+                                            "contactDistance=\"0.005\" stiffness=\"1e4\"/>", first);
+    return scene(plate("a", {0, 0, 0.02}, 1, in_plate), sheet(in_sheet) + contact, 9.81);
+  };
+  const auto fromModels = [](const std::string& in_plate) {
+    return scene(plate("a", {0, 0, 0.02}, 1, in_plate), sheet(models("simulated=\"false\"")) + response("BarrierContact"), 9.81);
+  };
+  const std::string ball = "<SphereCollisionModel name=\"balls\" radius=\"0.001\"/>";
+  const std::string inactive = "<SphereCollisionModel name=\"balls\" radius=\"0.001\" active=\"false\"/>";
+  EXPECT_EQ(hashAfter(byHand(inactive, inactive), 12), hashAfter(byHand(""), 12));
+  EXPECT_EQ(hashAfter(fromModels(models() + inactive), 12), hashAfter(fromModels(models()), 12));
+  expectContains(problemsOf(byHand(ball)), "/m/a/dofs has the surface of /m/a/mesh and a SphereCollisionModel");
+  expectContains(problemsOf(byHand("", ball)), "/sheet/dofs has the surface of /sheet/mesh and a SphereCollisionModel");
+  // balls that were asked for: on a mapped state of their own, or as the only model of a response
+  const std::string child = "<Node name=\"child\"><MechanicalObject name=\"dofs\"/>" + ball + "<IdentityMapping/></Node>";
+  EXPECT_EQ(problemsOf(byHand(child, "", "a/child/dofs")), "");
+  EXPECT_EQ(problemsOf(fromModels(ball)), "");
+}
+
+/// A surface that is mapped from a frame in another branch of the scene moves, and falls on a sheet.
+TEST(ContactOfModels, MappedBodiesMayBeInAnotherBranch) {
+  const std::string tool = "<Node name=\"tool\"><MechanicalObject name=\"frame\" template=\"Rigid3\" position=\"0 0 0.05 0 0 0 1\"/>"
+                           "<UniformMass totalMass=\"0.02\" inertia=\"2e-6 2e-6 2e-6\"/></Node>";
+  const std::string skin =
+      "<Node name=\"skin\"><MeshTopology name=\"mesh\" position=\"-0.01 -0.01 0  0.01 -0.01 0  0 0.01 0  0 0 0.01\" "
+      "triangles=\"0 2 1  0 1 3  1 2 3  2 0 3\"/><MechanicalObject name=\"dofs\"/><RigidMapping input=\"@/m/tool/frame\" "
+      "output=\"@dofs\"/><TriangleCollisionModel/></Node>";
+  const std::string more = "responseParams=\"stiffness=1e4\"";
+  Simulation simulation =
+      simulationFromText(scene(tool, skin + response("BarrierContact", more) + sheet(models("simulated=\"false\"")), 9.81));
+  for (int i = 0; i < 40; ++i) expectCleanStep(simulation, i, false);
+  const double height = simulation.systems()[0]->x[0].z();  // of the frame
+  EXPECT_GT(height, 0);
+  EXPECT_LT(height, 0.04);
+}
+
 /// A ball that starts in a sheet is refused, or pushed out to the gap.
 TEST(ContactOfModels, BallsMayStartInOthers) {
   const std::string ball = "<Node name=\"ball\"><MechanicalObject name=\"dofs\" position=\"0.3 0.2 0.012\"/>"

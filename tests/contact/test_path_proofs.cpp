@@ -134,6 +134,39 @@ TEST(PathProofs, WhatStandsStillIsTestedToo) {
     }
 }
 
+/// A triangle goes through a thread or a point that nothing moves. What was found on a path that was taken back does not count.
+TEST(PathProofs, PassagesOfWhatIsStillAreSeen) {
+  Simulation simulation = simulationFromText(contactScene(
+      "<Node name=\"a\"><MeshTopology name=\"mesh\" position=\"-1 -1 0.1  1 -1 0.1  0 1 0.1\" triangles=\"0 1 2\"/><MechanicalObject "
+      "name=\"dofs\"/><UniformMass/><BarrierContact name=\"contact\" planes=\"0 0 1 -9\" stiffness=\"1e4\"/></Node>"));
+  std::vector<Topology*> meshes;
+  simulation.root().collect(meshes);
+  for (const bool is_point : {true, false}) {
+    Mesh still;
+    still.position = {Vec3(0, 0, 0), Vec3(0, 3, 0)};
+    if (is_point) still.position.pop_back();
+    if (!is_point) still.edges = {{0, 1}};
+    contact::Surfaces surfaces;
+    surfaces.addState(*simulation.states().front(), meshes.front()->mesh());
+    surfaces.addObstacle(still, still.position);
+    surfaces.finish();
+    PathProofs paths;
+    paths.compile(surfaces, true);
+    ASSERT_TRUE(paths.areNeeded());
+    for (const double way : {0.05, 0.2})
+      for (const bool taken_back : {false, true}) {
+        std::vector<Vec3> x = surfaces.rest;
+        paths.startAt(x);
+        for (std::size_t v = 0; v < 3; ++v) x[v].z() -= way;
+        paths.moveTo(x);
+        if (taken_back) paths.startAgain(surfaces.rest);
+        paths.noteStep(numberOf);
+        EXPECT_EQ(paths.doubt("/contact", {}).empty(), way < 0.1 || taken_back) << is_point << " " << way;
+        paths.reset();
+      }
+  }
+}
+
 /// One thread is put to the other side of another. The step then ends, or begins again: from its start, or from there.
 TEST(PathProofs, WhatIsTakenBackDoesNotCount) {
   const std::string threads =
