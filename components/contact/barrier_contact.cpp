@@ -134,6 +134,10 @@ class BarrierContact final : public ContactField, public StepLimiter, public Cor
     is_explicit_ ? friction_.stretch(law_, law_.touches(x), x, start_, way) : friction_.compute(law_.surfaces, x, start_, way);
   }
   bool frictionChanges(bool was_held);
+  /// At x_. `again`: if that is where the step began, what has been found on the way does not count.
+  void startPaths(bool again) {
+    again && law_.moved == moved_at_start_ && law_.surfaces.areBodiesAt(x_, start_) ? paths_.startAgain(x_) : paths_.startAt(x_);
+  }
   /// Shares that stayed in the solve, against those of where it has ended.
   bool sharesChange() { return share_rounds_.goOn(law_.isOutOfReach(x_) ? 0 : law_.changeByWeighing(x_, forces_before_, forces_)); }
   std::function<std::string(int)> names() const { return [this](int vertex) { return nameOfVertex(law_.surfaces, states(), vertex); }; }
@@ -254,7 +258,7 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
   duration_ = t_end - t;
   friction_.setSlip(slip_velocity_ * duration_);
   friction_.begin(x_.size());
-  is_explicit_ && again ? paths_.moveTo(x_) : paths_.startAt(x_);
+  is_explicit_ && again ? paths_.moveTo(x_) : startPaths(again);
   if (is_explicit_) return copyPlaces(x_, start_);
   if (friction_.acts() && start_.size() == x_.size()) {
     lookAgain(x_), law_.weigh(x_);
@@ -289,7 +293,7 @@ void BarrierContact::follow(ConstRows x) {
     if (holds_nothing_) moved_first_ = moved_at_start_;
     const int rounds = law_.moved == moved_first_ ? obstacle_rounds_ : 0;
     law_.moved = moved_first_;
-    gather(x, law_.moved), paths_.startAt(x_);
+    gather(x, law_.moved), startPaths(true);
     friction_.ease(ease * law_.range, true);
     beginRounds(), obstacle_rounds_ = rounds;
   } else if (is_back && left_start_) {

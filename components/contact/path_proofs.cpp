@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "framework/scene/archive.h"
@@ -15,7 +14,7 @@ namespace {
 
 /// A box of t, u and v.
 struct Cell {
-  std::array<double, 3> low{0, 0, 0}, high{1, 1, 1};
+  std::array<double, 3> low, high;
 };
 
 /// D at the corners of a cell, whose bits say which end of t, u and v.
@@ -53,11 +52,12 @@ bool isPathFree(PairKind kind, const FourPoints& x, const FourPoints& dx, double
   }
   if (!std::isfinite(size)) return false;
   const double least = slack + 32 * rounding * size;
-  std::vector<Cell> waiting(1);
-  for (int tried = 0; !waiting.empty(); ++tried) {
+  std::array<Cell, 3 * 53 + 1> waiting;  // one for each time that t, u and v can be halved
+  waiting[0] = {{0, 0, 0}, {1, 1, 1}};
+  std::size_t count = 1;
+  for (int tried = 0; count > 0; ++tried) {
     if (tried == most) return false;
-    const Cell cell = waiting.back();
-    waiting.pop_back();
+    const Cell cell = waiting[--count];
     if (kind == PairKind::point_triangle && cell.low[1] + cell.low[2] > 1) continue;  // outside of the triangle
     const std::array<Vec3, 8> corners = cornersOf(kind, from, way, cell);
     if (areOnOneSide(corners, least)) continue;
@@ -69,12 +69,11 @@ bool isPathFree(PairKind kind, const FourPoints& x, const FourPoints& dx, double
         if (!(k >> i & 1)) change = std::max(change, (corners[k | 1u << i] - corners[k]).squaredNorm());
       if (change > most_change) most_change = change, longest = i;
     }
-    if (!(most_change > 0)) return false;
+    if (!(most_change > 0) || count + 2 > waiting.size()) return false;
     const double middle = 0.5 * (cell.low[longest] + cell.high[longest]);
-    Cell upper = cell;
-    waiting.push_back(cell);
-    waiting.back().high[longest] = upper.low[longest] = middle;
-    waiting.push_back(upper);
+    Cell lower = cell, upper = cell;
+    lower.high[longest] = upper.low[longest] = middle;
+    waiting[count++] = lower, waiting[count++] = upper;
   }
   return true;
 }
@@ -85,17 +84,22 @@ void PathProofs::compile(const Surfaces& surfaces, bool self_contact) {
   for (int f = 0; f < int(surfaces.faces.size()); ++f)
     if (isThin(f)) thin_.push_back(f);
   if (thin_.empty()) return;
-  all_.resize(surfaces.faces.size());
-  std::iota(all_.begin(), all_.end(), 0);
   last_ = surfaces.rest;
-  fit(thin_, surfaces.rest, thin_boxes_), fit(all_, surfaces.rest, all_boxes_);
-  thin_tree_.build(thin_boxes_), all_tree_.build(all_boxes_);
+  fitThin(last_);
+  thin_tree_.build(thin_boxes_);
   forget();
 }
 
-void PathProofs::startAt(const std::vector<Vec3>& x) {
-  if (areNeeded()) goOnFrom(x), one_ = other_ = -1;
+void PathProofs::place(const std::vector<Vec3>& x) {
+  if (areNeeded()) last_ = x, bend_.clear();
 }
+
+void PathProofs::startAt(const std::vector<Vec3>& x) {
+  place(x);
+  if (found_ != none) kept_ = std::exchange(found_, none);
+}
+
+void PathProofs::startAgain(const std::vector<Vec3>& x) { place(x), found_ = none; }
 
 void PathProofs::placeBodies(const std::vector<Vec3>& x) {
   for (std::size_t v = 0; v < last_.size() && areNeeded(); ++v)
@@ -103,17 +107,20 @@ void PathProofs::placeBodies(const std::vector<Vec3>& x) {
   bend_.clear();
 }
 
-/// Boxes around the paths of triangles from last_ to x.
-void PathProofs::fit(const std::vector<int>& faces, const std::vector<Vec3>& x, std::vector<Box>& boxes) const {
-  boxes.assign(faces.size(), {});
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    double more = 0;
-    for (const int v : surfaces_->faces[std::size_t(faces[i])]) {
-      boxes[i].add(last_[std::size_t(v)]), boxes[i].add(x[std::size_t(v)]);
-      if (!bend_.empty()) more = std::max(more, bend_[std::size_t(v)]);
-    }
-    boxes[i] = boxes[i].grownBy(more);
+/// A box around the path of a triangle from last_ to x.
+Box PathProofs::boxOf(int f, const std::vector<Vec3>& x) const {
+  Box box;
+  double more = 0;
+  for (const int v : surfaces_->faces[std::size_t(f)]) {
+    box.add(last_[std::size_t(v)]), box.add(x[std::size_t(v)]);
+    if (!bend_.empty()) more = std::max(more, bend_[std::size_t(v)]);
   }
+  return box.grownBy(more);
+}
+
+void PathProofs::fitThin(const std::vector<Vec3>& x) {
+  thin_boxes_.resize(thin_.size());
+  for (std::size_t i = 0; i < thin_.size(); ++i) thin_boxes_[i] = boxOf(thin_[i], x);
 }
 
 bool PathProofs::mayMeet(int f, int g) const {
@@ -125,27 +132,41 @@ bool PathProofs::mayMeet(int f, int g) const {
 }
 
 void PathProofs::moveTo(const std::vector<Vec3>& x) {
-  if (!areNeeded()) return;
-  if (last_.size() == x.size()) checkPaths(x, false);
-  goOnFrom(x);
+  if (areNeeded() && last_.size() == x.size()) checkPaths(x, false);
+  place(x);
 }
 
 void PathProofs::allow(const std::vector<Vec3>& x, const std::vector<Vec3>& way, const std::vector<double>& bend, double step) {
   if (!areNeeded()) return;
   last_ = x, bend_ = bend;
   if (bend.empty() || step == 0) return;
-  std::vector<Vec3> end = x;
-  for (std::size_t v = 0; v < end.size(); ++v) end[v] += step * way[v];
-  checkPaths(end, true);
+  end_ = x;
+  for (std::size_t v = 0; v < end_.size(); ++v) end_[v] += step * way[v];
+  checkPaths(end_, true);
+}
+
+/// One box around the paths of a body: most bodies are far from all thin faces, or stand still with them.
+bool PathProofs::mayMeetThin(const Surfaces::Body& body, const std::vector<Vec3>& x) const {
+  Box box;
+  double more = 0;
+  for (std::size_t v = std::size_t(body.first_vertex), end = v + std::size_t(body.vertices); v < end; ++v) {
+    box.add(last_[v]), box.add(x[v]);
+    if (!bend_.empty()) more = std::max(more, bend_[v]);
+  }
+  return box.grownBy(more).meets(thin_tree_.whole());
 }
 
 void PathProofs::checkPaths(const std::vector<Vec3>& x, bool bent) {
-  fit(thin_, x, thin_boxes_), fit(all_, x, all_boxes_);
-  thin_tree_.refit(thin_boxes_), all_tree_.refit(all_boxes_);
-  thin_tree_.forEachPair(all_tree_, 0, [&](Index i, Index j) {
-    const int f = thin_[std::size_t(i)], g = all_[std::size_t(j)];
-    if (mayMeet(f, g) && (!isThin(g) || f < g)) checkFaces(f, g, x, bent);
-  });
+  fitThin(x);
+  thin_tree_.refit(thin_boxes_);
+  for (const Surfaces::Body& body : surfaces_->bodies()) {
+    if (!mayMeetThin(body, x)) continue;
+    for (int g = body.first_face; g < body.first_face + body.faces; ++g)
+      thin_tree_.forEachMeeting(boxOf(g, x), [&](Index i) {
+        const int f = thin_[std::size_t(i)];
+        if (mayMeet(f, g) && (!isThin(g) || f < g)) checkFaces(f, g, x, bent);
+      });
+  }
 }
 
 /// A thin one and any. Vertices and edges belong to one triangle each.
@@ -176,7 +197,7 @@ void PathProofs::check(PairKind kind, const std::array<int, 4>& v, const std::ve
     if (!bend_.empty()) of_side = std::max(of_side, bend_[at]);
   }
   const double all = slack[0] + slack[1];
-  if (bent == (all > 0) && !isPathFree(kind, from, way, all)) one_ = v[0], other_ = v[3];
+  if (bent == (all > 0) && !isPathFree(kind, from, way, all)) found_ = {v[0], v[3]};
 }
 
 void PathProofs::declare(DataTable& table) {
@@ -187,19 +208,19 @@ void PathProofs::declare(DataTable& table) {
 }
 
 void PathProofs::noteStep(const std::function<std::string(int)>& name) {
-  if (one_ < 0) return;
-  ++steps_, names_ = name(one_) + " and " + name(other_);
-  one_ = other_ = -1;
+  const Pair pair = found_ != none ? found_ : kept_;
+  kept_ = found_ = none;
+  if (pair != none) ++steps_, names_ = name(pair[0]) + " and " + name(pair[1]);
 }
 
 std::string PathProofs::doubt(const std::string& path, std::string doubt) const {
   if (steps_ == 0) return doubt;
-  return fmt::format("{}{}in {} steps of {} a second test could not prove that no thread or point passed through something{}", doubt,
-                     doubt.empty() ? "" : "; ", steps_, path, names_.empty() ? "" : ", last at " + names_);
+  return fmt::format("{}{}in {} steps of {} a second test could not prove that no thread or point passed through something, last at {}",
+                     doubt, doubt.empty() ? "" : "; ", steps_, path, names_);
 }
 
 void PathProofs::serialize(Archive& archive) {
-  archive.value("unproved_paths", steps_);
+  archive.value("unproved_paths", steps_), archive.value("unproved_names", names_);
   if (archive.isReading()) forget();
 }
 

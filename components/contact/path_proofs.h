@@ -15,6 +15,7 @@
 //
 // Source: Snyder 1992 (inclusion by subdivision), Wang and others 2021 (the boxes of eight corners).
 #pragma once
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -38,10 +39,12 @@ class PathProofs {
   void declare(DataTable& table);
   /// `self_contact`: also within a body.
   void compile(const Surfaces& surfaces, bool self_contact);
-  /// There are threads, points or balls that move, or threads or points without a thickness that do not.
+  /// There are threads, points or balls, of bodies or as obstacles.
   bool areNeeded() const { return !thin_.empty(); }
-  /// Paths start at x. What was found on those of an attempt that has been taken back does not count.
+  /// Paths start at x. What has not been proved before in this step stays so.
   void startAt(const std::vector<Vec3>& x);
+  /// Paths start again at the x of the last startAt(): what has moved since was taken back, and does not count.
+  void startAgain(const std::vector<Vec3>& x);
   /// The vertices of bodies are at x, where they have not moved to, and obstacles stay where they are.
   void placeBodies(const std::vector<Vec3>& x);
   /// Everything has moved to x, and what does not bend by the last call of allow() straight.
@@ -56,8 +59,10 @@ class PathProofs {
   void serialize(Archive& archive);
 
  private:
-  void goOnFrom(const std::vector<Vec3>& x) { last_ = x, bend_.clear(); }
-  void forget() { last_.clear(), bend_.clear(), one_ = other_ = -1; }
+  using Pair = std::array<int, 2>;  ///< vertices; -1: none
+  static constexpr Pair none{-1, -1};
+  void forget() { last_.clear(), bend_.clear(), kept_ = found_ = none; }
+  void place(const std::vector<Vec3>& x);
   /// Checks the paths from last_ to x of pairs that bend, or of the others.
   void checkPaths(const std::vector<Vec3>& x, bool bent);
   void checkFaces(int f, int g, const std::vector<Vec3>& x, bool bent);
@@ -65,20 +70,22 @@ class PathProofs {
   bool mayMeet(int f, int g) const;
   bool isThin(int f) const {
     const auto& face = surfaces_->faces[std::size_t(f)];
-    return face[0] == face[1] && (surfaces_->moves(face[0]) || surfaces_->radius[std::size_t(f)] == 0);
+    return face[0] == face[1];
   }
-  void fit(const std::vector<int>& faces, const std::vector<Vec3>& x, std::vector<Box>& boxes) const;
+  Box boxOf(int f, const std::vector<Vec3>& x) const;
+  void fitThin(const std::vector<Vec3>& x);
+  bool mayMeetThin(const Surfaces::Body& body, const std::vector<Vec3>& x) const;
 
   const Surfaces* surfaces_ = nullptr;
   bool self_contact_ = true;
-  std::vector<int> thin_, all_;  ///< faces: edges and points; all
-  BoxTree thin_tree_, all_tree_;
-  std::vector<Box> thin_boxes_, all_boxes_;
-  std::vector<Vec3> last_;       ///< empty: no path has begun
-  std::vector<double> bend_;     ///< of the last call of allow()
-  int one_ = -1, other_ = -1;    ///< vertices of a pair of this step whose path is not proved; -1: none
-  int steps_ = 0;                ///< with such pairs
-  std::string names_;            ///< of the last of them
+  std::vector<int> thin_;  ///< faces: edges and points
+  BoxTree thin_tree_;      ///< of their paths
+  std::vector<Box> thin_boxes_;
+  std::vector<Vec3> last_, end_;  ///< empty: no path has begun; of paths that bend
+  std::vector<double> bend_;      ///< of the last call of allow()
+  Pair kept_ = none, found_ = none;  ///< not proved in this step: before the last startAt(), and since
+  int steps_ = 0;                 ///< with such pairs
+  std::string names_;             ///< of the last of them
 };
 
 }  // namespace stroma::contact

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Steps with contact take memory only where there are more pairs than ever before: all memory of the program is counted.
+#include "components/contact/path_proofs.h"
 #include "tests/contact/contact_scenes.h"
 #include "tests/support/counted_allocations.h"
 
@@ -70,6 +71,30 @@ long allocationsOfBoxes(const std::string& integrator) {
 TEST(ContactAllocations, ThereAreNoneWhereBoxesStand) {
   EXPECT_EQ(allocationsOfBoxes("<EulerImplicitSolver/>"), 0);
   EXPECT_EQ(allocationsOfBoxes("<EulerImplicitSolver newtonIterations=\"20\"/>"), 0);
+}
+
+/// The second test of paths, of threads on arcs that come close to each other.
+TEST(ContactAllocations, ThereAreNoneForPaths) {
+  Simulation simulation = simulationFromText(contactScene(
+      "<Node name=\"a\"><MeshTopology name=\"mesh\" position=\"-1 0 0  1 0 0  0 -1 0.1  0 1 0.1\" edges=\"0 1 2 3\"/>"
+      "<MechanicalObject name=\"dofs\"/><UniformMass/></Node>"));
+  State* state = simulation.states().front();
+  std::vector<Topology*> meshes;
+  state->node().collect(meshes);
+  contact::Surfaces surfaces;
+  surfaces.addState(*state, meshes.front()->mesh());
+  surfaces.finish();
+  contact::PathProofs paths;
+  paths.compile(surfaces, true);
+  const std::vector<Vec3> x = surfaces.rest;
+  std::vector<Vec3> way(4, Vec3::Zero());
+  for (std::size_t v = 2; v < 4; ++v) way[v].z() = -0.09;
+  const std::vector<double> bend(4, 1e-3);
+  paths.startAt(x), paths.allow(x, way, bend, 1);
+  const long before = allocations;
+  for (int i = 0; i < 3; ++i) paths.startAt(x), paths.allow(x, way, bend, 1), paths.moveTo(x);
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_EQ(paths.doubt("/contact", {}), "");
 }
 
 }  // namespace STROMA_TEST_FILE

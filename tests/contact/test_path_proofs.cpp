@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "components/contact/longest_step.h"
+#include "framework/scene/archive.h"
 #include "tests/contact/contact_scenes.h"
 #include "tests/contact/exact_pairs.h"
 
@@ -93,6 +94,46 @@ TEST(PathProofs, PassagesAreSeen) {
   }
 }
 
+std::string numberOf(int vertex) { return std::to_string(vertex); }
+
+/// A triangle passes a thread, a point or a ball that nothing moves, or stops before it.
+TEST(PathProofs, WhatStandsStillIsTestedToo) {
+  Simulation simulation = simulationFromText(contactScene(
+      "<Node name=\"a\"><MeshTopology name=\"mesh\" position=\"-1 -1 0  1 -1 0  0 1 0\" triangles=\"0 1 2\"/><MechanicalObject "
+      "name=\"dofs\"/><UniformMass/></Node>"));
+  State* state = simulation.states().front();
+  std::vector<Topology*> meshes;
+  state->node().collect(meshes);
+  for (const int kind : {0, 1, 2})
+    for (const double way : {0.09, 0.2}) {
+      contact::Surfaces surfaces;
+      surfaces.addState(*state, meshes.front()->mesh());
+      if (kind == 0) surfaces.addObstacle({Vec3(0, -3, 0.1), Vec3(0, 3, 0.1)}, {{0, 0, 1}}, 0);
+      if (kind == 1) surfaces.addObstacle({Vec3(0, 0, 0.1)}, {{0, 0, 0}}, 0);
+      if (kind == 2) surfaces.addObstacles({Vec3(0, 0, 0.1)}, {0.01});
+      surfaces.finish();
+      PathProofs paths;
+      paths.compile(surfaces, true);
+      EXPECT_TRUE(paths.areNeeded()) << kind;
+      std::vector<Vec3> x = surfaces.rest;
+      paths.startAt(x);
+      for (std::size_t v = 0; v < 3; ++v) x[v].z() += way;
+      paths.moveTo(x);
+      paths.noteStep(numberOf);
+      EXPECT_EQ(paths.doubt("/contact", {}).empty(), way < 0.1) << kind << " " << way;
+      if (way < 0.1) continue;
+      Archive archive;
+      archive.enter("/contact");
+      paths.serialize(archive);
+      PathProofs resumed;
+      resumed.compile(surfaces, true);
+      Archive stored = archive.readable();
+      stored.enter("/contact");
+      resumed.serialize(stored);
+      EXPECT_EQ(resumed.doubt("/contact", {}), paths.doubt("/contact", {})) << "a run that goes on names the vertices too";
+    }
+}
+
 /// A triangle goes through a thread or a point that nothing moves. What was found on a path that was taken back does not count.
 TEST(PathProofs, PassagesOfWhatIsStillAreSeen) {
   Simulation simulation = simulationFromText(contactScene(
@@ -118,11 +159,40 @@ TEST(PathProofs, PassagesOfWhatIsStillAreSeen) {
         paths.startAt(x);
         for (std::size_t v = 0; v < 3; ++v) x[v].z() -= way;
         paths.moveTo(x);
-        if (taken_back) paths.startAt(surfaces.rest);
-        paths.noteStep([](int vertex) { return std::to_string(vertex); });
+        if (taken_back) paths.startAgain(surfaces.rest);
+        paths.noteStep(numberOf);
         EXPECT_EQ(paths.doubt("/contact", {}).empty(), way < 0.1 || taken_back) << is_point << " " << way;
         paths.reset();
       }
+  }
+}
+
+/// One thread is put to the other side of another. The step then ends, or begins again: from its start, or from there.
+TEST(PathProofs, WhatIsTakenBackDoesNotCount) {
+  const std::string threads =
+      "<Node name=\"a\"><MeshTopology name=\"mesh\" position=\"-1 0 0  1 0 0\" edges=\"0 1\"/><MechanicalObject name=\"dofs\"/>"
+      "<UniformMass/></Node><Node name=\"b\"><MeshTopology name=\"mesh\" position=\"0 -1 0.1  0 1 0.1\" edges=\"0 1\"/>"
+      "<MechanicalObject name=\"dofs\"/><UniformMass/></Node>";
+  enum class Then { ends, begins_again, goes_on };
+  for (const Then then : {Then::ends, Then::begins_again, Then::goes_on}) {
+    FieldUnderTest t(contactScene(threads + fmt::format(fmt::runtime(between), "stiffness=\"1e4\" contactDistance=\"1e-3\"")),
+                     "BarrierContact");
+    auto& limiter = dynamic_cast<StepLimiter&>(t.field());
+    Vector passed(t.x.count()), beyond(t.x.count());
+    copy(t.x, passed), copy(t.x, beyond);
+    for (const Index i : {2, 3}) passed[i] -= Vec3(0, 0, 0.2), beyond[i] -= Vec3(0, 0, 0.3);
+    limiter.stepBegins(t.x, 0, 0.01);
+    t.forceAt(passed);
+    limiter.longestStep(passed, {t.v_zero});
+    if (then == Then::begins_again) limiter.stepBegins(t.x, 0, 0.005);
+    if (then == Then::goes_on) {  // a second part of the step, whose first attempt is taken back
+      limiter.stepBegins(passed, 0.005, 0.01);
+      t.forceAt(beyond);
+      limiter.longestStep(beyond, {t.v_zero});
+      limiter.stepBegins(passed, 0.005, 0.0075);
+    }
+    limiter.overlap(then == Then::begins_again ? t.x : passed);
+    EXPECT_EQ(t.field().data().find("unprovedPaths")->print(), then == Then::begins_again ? "0" : "1") << int(then);
   }
 }
 
