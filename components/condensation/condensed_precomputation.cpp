@@ -28,7 +28,7 @@ void CondensedIntegrator::compile(System& system) {
   const auto begin = std::chrono::steady_clock::now();
   dt_ = node().root().dt();
   checkChoices();
-  others_.collect(system, *this);
+  others_.collect(system, *this, rayleighMass());
   conditions_.others.assign(std::size_t(others_.count()), Vec3::Zero());
   body_.collect(system, others_, *this, {condensed_, surface_indices_, isDynamic()});
   Problem problem{system};

@@ -36,7 +36,8 @@ bool OtherBodies::has(const Component& component) const {
   return std::ranges::any_of(states, [this](const State* state) { return has(*state); });
 }
 
-void OtherBodies::collect(System& system, const Integrator& integrator) {
+void OtherBodies::collect(System& system, const Integrator& integrator, double rayleigh_mass) {
+  rayleigh_mass_ = rayleigh_mass;
   states_.clear(), rows_.clear(), is_other_.clear(), number_.clear(), solvers_.clear(), clusters_.clear();
   collectStates(system);
   if (states_.empty()) return;

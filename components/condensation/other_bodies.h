@@ -28,7 +28,8 @@ namespace stroma {
 class OtherBodies {
  public:
   /// Finds them: frames, and what is mapped from frames alone. Throws ComponentError for forces and masses that it does not support.
-  void collect(System& system, const Integrator& integrator);
+  /// `rayleigh_mass`: of the condensed solver, which damps them too [1/s].
+  void collect(System& system, const Integrator& integrator, double rayleigh_mass);
   bool empty() const { return rows_.empty(); }
   bool has(const State& state) const;
   bool has(const Component& component) const;  ///< a force field, mass or mapping that acts on them
@@ -153,7 +154,7 @@ class OtherBodies {
   std::vector<Turning> turning_;
   std::vector<int> turning_of_;  ///< of k, or -1
 
-  double h_ = 0;
+  double h_ = 0, rayleigh_mass_ = 0;
   Vector force_;                 ///< shape (all rows)
   std::vector<Vec3> gravity_, kept_velocity_, start_velocity_, free_change_, now_;  ///< start_velocity_: with prescribed ones
   std::vector<Quaternion> start_turn_;

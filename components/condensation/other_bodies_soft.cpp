@@ -69,9 +69,13 @@ class OtherBodies::Matrix final : public SystemMatrix {
 void OtherBodies::makeLarge(const System& system, Cluster& cluster) const {
   constexpr std::size_t most_small = 16;
   if (cluster.rows.size() <= most_small) return;
-  for (const auto& [state, solver] : solvers_)
-    if (const Index local = rows_[std::size_t(cluster.rows.front())] - state->firstRow(); local >= 0 && local < state->size())
-      cluster.solver = solver;
+  for (const auto& [state, solver] : solvers_) {  // the first soft body of it decides
+    const auto isOf = [&](Index k) {
+      const Index local = rows_[std::size_t(k)] - state->firstRow();
+      return local >= 0 && local < state->size();
+    };
+    if (!cluster.solver && std::ranges::any_of(cluster.rows, isOf)) cluster.solver = solver;
+  }
   if (!cluster.solver) return;  // frames alone
   const BlockMatrix& all = assembled_->pattern();
   BlockPattern pattern(Index(cluster.rows.size()));

@@ -54,7 +54,7 @@ void OtherBodies::computeForce(System& system) {
     chain_.finishProduct(v, h_, sum, force_);
   }
   for (const Mass* mass : masses_)
-    if (mass->rayleigh_mass != 0) mass->addProduct(system.v, -mass->rayleigh_mass, force_);
+    if (const double alpha = rayleigh_mass_ + mass->rayleigh_mass; alpha != 0) mass->addProduct(system.v, -alpha, force_);
 }
 
 /// Where only masses act.
@@ -64,7 +64,7 @@ Mat3 OtherBodies::massBlock(Index k) const {
   for (const Mass* mass : masses_) {
     const Index local = row - mass->state().firstRow();
     if (local < 0 || local >= mass->state().size()) continue;
-    const double factor = 1 + h_ * mass->rayleigh_mass;
+    const double factor = 1 + h_ * (rayleigh_mass_ + mass->rayleigh_mass);
     sum += factor * mass->lumped()[std::size_t(local)] * Mat3::Identity();
     for (const TurningInertia& each : mass->turningInertias()) {
       if (each.row != local) continue;
@@ -118,7 +118,7 @@ bool OtherBodies::invert(System& system) {
     for (Mass* mass : masses_)
       if (mass->turns()) mass->update(system.x);
     matrix = &assembled_->assemble(
-        {.mass = 1, .stiffness = -h_ * h_, .damping = -h_, .rayleigh_mass = h_, .rayleigh_stiffness = -h_});
+        {.mass = 1 + h_ * rayleigh_mass_, .stiffness = -h_ * h_, .damping = -h_, .rayleigh_mass = h_, .rayleigh_stiffness = -h_});
   }
   bool is_finite = true;
   for (Cluster& cluster : clusters_) {

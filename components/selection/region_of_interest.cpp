@@ -250,7 +250,6 @@ class SphereROI : public RegionOfInterest {
     table.add("normal", normal_).unit("-").help("of triangles that count, (c - a) x (b - a), where triAngle is given");
     table.add("triAngle", triangle_angle_).alias("angle").unit("degree").help("between such a normal and normal at most; 0: any").min(0);
     RegionOfInterest::declare(table);
-    table.find("indices")->alias("pointIndices");
   }
 
  protected:

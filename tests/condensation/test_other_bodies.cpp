@@ -220,6 +220,29 @@ TEST(OtherBodies, SpringsHoldAFrame) {
   }
 }
 
+/// v' = v + h (m g - k (x + h v) - alpha m v) / (m (1 + h alpha) + h^2 k), x' = x + h v', without and with a spring.
+TEST(OtherBodies, TheDampingOfTheCondensedSolverIsTheirsToo) {
+  const double h = 0.005, alpha = 20, m = 0.02, g = -9.81;
+  for (const double k : {0.0, 30.0}) {
+    const std::string spring = fmt::format("<RestShapeSpringsForceField points=\"0\" stiffness=\"{}\"/>", k);
+    const Tool tool{.place = "0.5 0 5  0 0 0 1", .more = k == 0 ? "" : spring};
+    const std::string solver = fmt::format("<CondensedDynamicSolver rayleighMass=\"{}\"/>", alpha);
+    Simulation simulation = simulationFromText(scene(solver, block() + tool.text()));
+    step(simulation, 100);
+    double x = 0, v = 0;
+    for (int i = 0; i < 100; ++i) {
+      v += h * (m * g - k * (x + h * v) - alpha * m * v) / (m * (1 + h * alpha) + h * h * k);
+      x += h * v;
+    }
+    std::vector<State*> states;
+    simulation.root().collect(states);
+    const auto frame = std::ranges::find_if(states, [](const State* state) { return state->name() == "frame"; });
+    ASSERT_NE(frame, states.end());
+    EXPECT_NEAR((*frame)->v()[0].z(), v, 1e-9) << k;
+    EXPECT_NEAR((*frame)->x()[0].z(), 5 + x, 1e-9) << k;
+  }
+}
+
 /// Attached nodes of the body carry a frame.
 TEST(OtherBodies, ACondensedNodeIsAttachedToAFrame) {
   std::string tie = "<BilateralLagrangianConstraint object1=\"@b/dofs\" object2=\"@tool/skin/dofs\" first_point=\"99 98 94\" "

@@ -59,6 +59,8 @@ std::vector<std::string> settingsOf(const std::string& type) {
     for (const std::string& word : words)
       if (!isByTheClock(word)) settings.push_back(fmt::format("{}='{}'", data.name(), word));
     if (data.name() == "template") settings.push_back("template='CompressedRowSparseMatrixMat3x3'");
+    // its end is by the preconditioner's norm, which may not change
+    if (data.name() == "endsBySquares") settings.back() += " preconditioner='block_jacobi'";
   }
   return settings;
 }

@@ -17,7 +17,7 @@ const std::vector<Quirk>& allQuirks() {  // long because it is a table
        {{"CGLinearSolver", "absoluteThreshold", "1e-05"}, {"PCGLinearSolver", "endsBySquares", "true"},
         {"NewmarkImplicitSolver", "fromZeroAcceleration", "true"}}},
       {"spring-length", "the constants of springs of a mesh are divided by their length",
-       {{"MeshSpringForceField RegularGridSpringForceField", "perLength", "true"}}},
+       {{"MeshSpringForceField RegularGridSpringForceField", "perLength", "true"}, {"RegularGridSpringForceField", "gridLengths", "true"}}},
       {"meeting-ends", "springs do nothing where their ends meet, and have no stiffness there",
        {{"SpringForceField", "meetingEnds", "free"}}},
       {"explicit-damping", "damping of springs and obstacles is explicit; its tension, and Rayleigh factors of parts, are in the tangent",

@@ -110,13 +110,14 @@ def test_values_follow_what_comes_later():
 def test_values_follow_the_tree():
     root = Sofa.Core.Node("root")
     small, large = root.addChild("small"), root.addChild("large")
-    small.addObject("MeshTopology", position=[[0, 0, 0]])
+    small.addObject("MechanicalObject", position=[[0, 0, 0]])
     grid_in(large)
+    large.addObject("MechanicalObject")
     part = small.addChild("part")
     region = part.addObject("BoxROI", box=[-1, -1, -1, 9, 9, 9])
     assert len(region.indices.value) == 1
     large.moveChild(part)
-    assert len(region.indices.value) == 12, "the mesh above is another one"
+    assert len(region.indices.value) == 12, "the state above is another one"
     alone = Sofa.Core.Node("alone")
     inner = grid_in(alone.addChild("inner"))
     assert len(inner.position.value) == 12
